@@ -1,0 +1,37 @@
+#include "config/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+
+namespace cnc {
+namespace {
+
+constexpr auto kTable = std::to_array<ErrorInfo>({
+#define CNC_ERROR(number, name, sentence, check) {ErrorCode::name, #name, sentence, check},
+#include "config/error_table.def"
+#undef CNC_ERROR
+});
+
+static_assert(std::ranges::adjacent_find(kTable, std::ranges::greater_equal{},
+                                         &ErrorInfo::code) == kTable.end(),
+              "error_table.def must be strictly ascending by number");
+
+}  // namespace
+
+std::span<const ErrorInfo> error_table() { return kTable; }
+
+const ErrorInfo& error_info(ErrorCode code) {
+  const auto row = std::ranges::lower_bound(kTable, code, {}, &ErrorInfo::code);
+  return row != kTable.end() && row->code == code ? *row : kTable.front();
+}
+
+std::string Error::to_string() const {
+  const auto number = static_cast<unsigned>(code);
+  if (!place) return fmt::format("{} [E{}]", message, number);
+  return fmt::format("{}:{}:{}: {} [E{}]", place->file, place->line, place->column, message,
+                     number);
+}
+
+}  // namespace cnc

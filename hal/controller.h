@@ -1,0 +1,113 @@
+// What a controller board can do, whatever the board and however it is connected.
+//
+// Positions at this interface are machine coordinates in mm and degrees; the driver knows the steps
+// per unit and counts steps. All calls come from one thread, the link thread (or the simulation
+// loop): real-time, so an implementation allocates nothing, takes no lock and does not block longer
+// than one exchange on its transport.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+
+#include "config/axis.h"
+#include "config/error.h"
+
+namespace cnc::hal {
+
+/// One piece of motion for the board's FIFO: a cubic from the end of the segment before it. `id`
+/// counts up by one from segment to segment for as long as the link lives, never 0.
+struct Segment {
+  std::uint32_t id = 0;
+  double duration = 0.0;  ///< s
+  Position position;      ///< at the end, mm and degrees
+  Position velocity;      ///< at the end, per second
+};
+
+/// Digital and analog outputs that this version of the machine has.
+struct Outputs {
+  bool drives_enabled = false;
+  bool spindle_on = false;
+  bool spindle_clockwise = true;
+  double spindle_pwm = 0.0;  ///< 0 … 1
+  bool mist = false;
+  bool flood = false;
+
+  friend bool operator==(const Outputs&, const Outputs&) = default;
+};
+
+/// Why the board stopped by itself. Bits; more than one may be set.
+enum class Fault : std::uint16_t {
+  none = 0,
+  fifo_underrun = 1 << 0,  ///< ran dry while moving
+  estop = 1 << 1,          ///< an estop input is active
+  bad_segment = 1 << 2,    ///< a segment that cannot be executed (order, duration, step frequency)
+  link_lost = 1 << 3,
+};
+using Faults = std::uint16_t;
+
+struct Inputs {
+  AxisArray<bool> home{};
+  bool estop = false;
+  bool probe = false;
+};
+
+/// What the home latch of an axis caught: the position at the very step of the switch's edge.
+struct Latch {
+  bool armed = false;
+  bool caught = false;
+  double position = 0.0;  ///< mm or degrees, in the counting of that moment
+};
+
+struct ControllerStatus {
+  double time = 0.0;                   ///< board time, s
+  bool connected = false;
+  Faults faults = 0;
+  std::uint32_t executing_id = 0;      ///< segment in execution, or the last executed; 0 = none yet
+  double executing_phase = 0.0;        ///< 0 … 1 within it
+  std::uint32_t fifo_count = 0;        ///< segments waiting, the executing one not counted
+  double fifo_time = 0.0;              ///< seconds of motion still in the board
+  bool moving = false;
+  Position position;                   ///< from the step counters, mm and degrees
+  Inputs inputs;
+  AxisArray<Latch> home_latch;
+  Outputs outputs;
+};
+
+struct Capabilities {
+  std::uint32_t fifo_capacity = 0;     ///< segments
+  double max_step_frequency = 0.0;     ///< Hz
+  double min_segment_duration = 0.0;   ///< s
+};
+
+enum class LatchEdge : std::uint8_t { activate, release };
+
+class Controller {
+ public:
+  virtual ~Controller() = default;
+
+  virtual Result<Capabilities> connect() = 0;
+  virtual void disconnect() = 0;
+
+  /// One exchange with the board: sends what was asked for since the last, brings the status.
+  /// `now` is the caller's monotonic clock in seconds; it never goes back.
+  virtual const ControllerStatus& exchange(double now) = 0;
+
+  /// Segments that the FIFO still takes.
+  [[nodiscard]] virtual std::size_t free_segments() const = 0;
+  /// Appends; returns how many were taken (fewer when the FIFO is full or a fault is pending).
+  virtual std::size_t push(std::span<const Segment> segments) = 0;
+
+  virtual void set_outputs(const Outputs& outputs) = 0;
+  /// Stops step pulses at once and empties the FIFO. Steps may be lost by a real motor.
+  virtual void quick_stop() = 0;
+  /// Clears faults whose cause is gone; the FIFO is empty afterwards.
+  virtual void clear_faults() = 0;
+  /// Standing still only: gives the present step count of an axis a new machine position.
+  virtual void set_position(Axis axis, double position) = 0;
+
+  virtual void arm_home_latch(Axis axis, LatchEdge edge) = 0;
+  virtual void disarm_home_latch(Axis axis) = 0;
+};
+
+}  // namespace cnc::hal

@@ -1,0 +1,164 @@
+// Canonical commands: what a program means once offsets, units, modes and expressions are resolved.
+//
+// They are the only thing that leaves the interpreter for the machine. Each kind is a small value of
+// its own; positions are machine coordinates in mm and degrees with every offset applied (work
+// offset, G92, rotation, scaling, tool length), feeds are mm/s, times are seconds, so nothing
+// downstream can see inches, minutes or a work coordinate system. Names and order follow the
+// canonical machining functions of the NIST RS274/NGC interpreter (Kramer, Proctor, Messina,
+// NISTIR 6556, section 4); text_of() prints them in that form.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <variant>
+
+#include "config/axis.h"
+#include "config/plane.h"
+
+namespace cnc::interp {
+
+/// The source line that a command comes from: index of the file (0 is the job) and line from 1.
+struct SourceLine {
+  std::uint16_t file = 0;
+  std::uint32_t line = 0;
+
+  friend constexpr bool operator==(SourceLine, SourceLine) = default;
+};
+
+enum class LengthUnit : std::uint8_t { millimetre, inch };                 ///< G21 G20
+enum class FeedMode : std::uint8_t { per_minute, inverse_time, per_revolution };  ///< G94 G93 G95
+enum class PathMode : std::uint8_t { exact_path, exact_stop, continuous };  ///< G61 G61.1 G64
+enum class SpindleDirection : std::uint8_t { off, clockwise, counterclockwise };  ///< M5 M3 M4
+
+// --- motion: each of these moves the machine to `end`, from wherever it is ---------------------
+
+/// G0: straight, every axis at most at its rapid velocity.
+struct RapidMove {
+  Position end;
+};
+
+/// G1: straight at the feed rate.
+struct FeedMove {
+  Position end;
+};
+
+/// G2 G3: arc or helix in `plane` around (first_centre, second_centre), turning along the third
+/// axis and the rotary axes meanwhile. First and second axis of the plane are X Y for xy, Z X for
+/// xz, Y Z for yz. `turns` counts as in ARC_FEED: positive counter-clockwise, negative clockwise,
+/// 1 for less than or exactly one full turn, 2 for one more full turn …
+struct ArcMove {
+  Position end;
+  double first_centre = 0.0;
+  double second_centre = 0.0;
+  std::int32_t turns = 1;
+  Plane plane = Plane::xy;
+};
+
+/// G4: stand still for `duration` seconds.
+struct Dwell {
+  double duration = 0.0;
+};
+
+// --- modal settings for the moves that follow ----------------------------------------------------
+
+/// F in the active feed mode: mm/s (or deg/s for rotary-only moves); moves per second for inverse
+/// time; mm per revolution for G95.
+struct SetFeedRate {
+  FeedMode mode = FeedMode::per_minute;
+  double feed = 0.0;
+};
+
+/// G61 Q R, G61.1, G64 P Q R; lengths in mm, angle in degrees; unset where the word is missing.
+struct SetPathMode {
+  PathMode mode = PathMode::exact_path;
+  std::optional<double> tolerance;       ///< P
+  std::optional<double> simplification;  ///< Q
+  std::optional<double> laf_angle;       ///< R
+};
+
+struct SelectPlane {
+  Plane plane = Plane::xy;
+};
+struct UseLengthUnit {
+  LengthUnit unit = LengthUnit::millimetre;
+};
+
+/// G10 L2/L20, G54…G59.3: work offsets as they now are; `system` 1…9 is the active one when
+/// `is_active`. For the displays: moves are already in machine coordinates.
+struct SetWorkOffset {
+  std::int32_t system = 1;
+  bool is_active = true;
+  Position offset;
+};
+/// G92 family: the offset now in force. For the displays.
+struct SetG92Offset {
+  Position offset;
+};
+/// G43 G49: the tool length now in force, along Z and X, mm. For the displays.
+struct UseToolLength {
+  double z = 0.0;
+  double x = 0.0;
+};
+
+// --- machine functions -----------------------------------------------------------------------------
+
+struct SetSpindleSpeed {
+  double speed = 0.0;  ///< rpm
+};
+struct TurnSpindle {
+  SpindleDirection direction = SpindleDirection::off;
+};
+/// M7 M8 M9: which coolants are on from now.
+struct SetCoolant {
+  bool mist = false;
+  bool flood = false;
+};
+/// T: the tool that the next M6 will bring.
+struct SelectTool {
+  std::int32_t tool = 0;
+};
+/// M6: stop, have the operator or the changer bring `tool`.
+struct ChangeTool {
+  std::int32_t tool = 0;
+};
+/// M48 M49: whether the operator's overrides act.
+struct EnableOverrides {
+  bool feed = true;
+  bool speed = true;
+};
+
+// --- flow ------------------------------------------------------------------------------------------
+
+enum class StopKind : std::uint8_t { program_stop, optional_stop };  ///< M0; M1
+/// Wait for the operator's "go on". M1 waits only when the optional stop switch is on.
+struct ProgramStop {
+  StopKind kind = StopKind::program_stop;
+};
+/// M2 M30, or the end of the file. The last command of a program.
+struct ProgramEnd {};
+
+enum class MessageKind : std::uint8_t { message, warning, error, comment };
+/// Text for the operator. `text` belongs to the interpreter and is valid until its next call.
+struct Message {
+  MessageKind kind = MessageKind::message;
+  std::string_view text;
+};
+
+using CommandBody =
+    std::variant<RapidMove, FeedMove, ArcMove, Dwell, SetFeedRate, SetPathMode, SelectPlane,
+                 UseLengthUnit, SetWorkOffset, SetG92Offset, UseToolLength, SetSpindleSpeed,
+                 TurnSpindle, SetCoolant, SelectTool, ChangeTool, EnableOverrides, ProgramStop,
+                 ProgramEnd, Message>;
+
+struct Command {
+  CommandBody body;
+  SourceLine source;
+};
+
+/// The command in NIST names and argument order, six decimals, mm, machine coordinates, without a
+/// line end: "STRAIGHT_FEED(1.000000, 2.000000, …)". docs/canonical.md lists them all.
+[[nodiscard]] std::string text_of(const Command& command);
+
+}  // namespace cnc::interp

@@ -1,0 +1,85 @@
+// The G-code interpreter: program text in, canonical commands and diagnostics out.
+//
+// Pull interface: the caller asks for one command after the other and decides by the pace of its
+// asking when the program goes on. The interpreter has no thread, no clock, opens no file, and knows
+// nothing of motion. Running, checking and rendering a program differ only in who asks.
+//
+//   Interpreter interpreter(settings, parameters, tools);
+//   interpreter.start(program, machine_position);
+//   for (;;) switch (interpreter.next()) {
+//     case Progress::command: use(interpreter.command()); break;
+//     case Progress::working: break;                       // call again: the line budget ran out
+//     case Progress::failed:  report(interpreter.diagnostic()); return;
+//     case Progress::ended:   return;
+//   }
+//
+// Not thread-safe; one object per thread. A plain motion line allocates nothing.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string_view>
+
+#include "config/axis.h"
+#include "config/parameter_store.h"
+#include "config/tool_table.h"
+#include "interpreter/canonical.h"
+#include "interpreter/diagnostic.h"
+#include "interpreter/modal_state.h"
+#include "interpreter/program.h"
+
+namespace cnc::interp {
+
+struct InterpreterSettings {
+  LengthUnit default_unit = LengthUnit::millimetre;  ///< active until G20/G21 says otherwise
+  bool absolute_arc_centres = false;                 ///< I J K are absolute (AbsoluteCenterCoords)
+  bool block_delete = false;                         ///< lines that begin with "/" are skipped
+  std::uint32_t lines_per_call = 10'000;  ///< next() returns `working` after that many silent lines
+  std::uint32_t max_call_depth = 64;      ///< nested gosubs
+};
+
+enum class Progress : std::uint8_t {
+  command,  ///< command() holds the next command
+  working,  ///< nothing yet, call again; lets the caller bound the time of a call
+  failed,   ///< diagnostic() says why; the program cannot go on, modal state is as before the line
+  ended,    ///< after ProgramEnd, or nothing was started
+};
+
+class Interpreter {
+ public:
+  /// `parameters` and `tools` outlive the interpreter and are written and read while it runs.
+  Interpreter(const InterpreterSettings& settings, config::ParameterStore& parameters,
+              const config::ToolTable& tools);
+  ~Interpreter();
+
+  /// Begins `program` at its first line (or at `line`, from 1), the machine standing at
+  /// `machine_position`. Modal state is kept from what ran before.
+  void start(std::shared_ptr<const Program> program, const Position& machine_position,
+             std::uint32_t line = 1);
+  /// Gives up the running program; modal state is kept.
+  void stop();
+  /// Modal state as after power-up.
+  void reset();
+
+  [[nodiscard]] Progress next();
+  [[nodiscard]] const Command& command() const;
+  [[nodiscard]] const Diagnostic& diagnostic() const;
+
+  /// Machine position that the program has reached in the interpreter, and after the world moved it
+  /// (jog in a pause, homing).
+  [[nodiscard]] const Position& position() const;
+  void set_position(const Position& machine_position);
+
+  [[nodiscard]] const ModalState& modal() const;
+  void set_block_delete(bool on);
+  /// Work coordinates = machine coordinates − this (work offset, G92, tool length).
+  [[nodiscard]] Position total_offset() const;
+  /// The line that next() will read next, from 1.
+  [[nodiscard]] std::uint32_t next_line() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cnc::interp

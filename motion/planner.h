@@ -1,0 +1,107 @@
+// From moves to setpoints: look-ahead, velocity profile and sampling.
+//
+// The planner takes moves in machine coordinates, keeps them as exact curves, plans the fastest
+// speed along them that keeps every axis within its velocity and acceleration limits, and hands out
+// setpoints one after the other. It has no thread, no clock and no I/O: the caller adds moves until
+// full(), then draws setpoints; whatever is queued is always planned to a standstill at its end, so
+// running dry is a stop, never a fault.
+//
+// Units: mm, s, degrees for rotary axes. Not thread-safe. next() does not allocate.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+
+#include "config/axis.h"
+#include "config/error.h"
+#include "motion/curve.h"
+
+namespace cnc::motion {
+
+/// What the machine can do, per axis.
+struct AxisLimits {
+  Position max_velocity;      ///< mm/s, deg/s; > 0 for every axis that may move
+  Position max_acceleration;  ///< mm/s², deg/s²; > 0 for every axis that may move
+};
+
+struct PlannerSettings {
+  AxisLimits limits;
+  double max_setpoint_duration = 0.005;  ///< InterpolationTime, s; 0.0005 … 0.1
+  double laf_angle = 1.0;                ///< junctions below this angle are not stopped at, degrees
+};
+
+enum class MoveKind : std::uint8_t { rapid, feed };
+
+/// Goes with a move through the planner and comes back with each of its setpoints.
+struct MoveTag {
+  std::uint64_t id = 0;    ///< ascending; chosen by the caller
+  std::uint32_t line = 0;  ///< source line of the job, 0 if none
+};
+
+struct MoveOptions {
+  MoveKind kind = MoveKind::feed;
+  double feed = 0.0;  ///< programmed feed along the path, mm/s (deg/s for rotary-only); unused for rapids
+  bool stop_at_end = false;  ///< exact stop (G61.1) after this move
+  std::optional<double> laf_angle;  ///< overrides the setting, degrees
+  MoveTag tag;
+};
+
+/// One piece of motion. Position is a cubic in time: together with the end of the setpoint before
+/// it, end position and end velocity define it completely (Hermite), and velocity is continuous.
+struct Setpoint {
+  double duration = 0.0;  ///< s, > 0
+  Position position;      ///< at the end of the setpoint
+  Position velocity;      ///< at the end of the setpoint
+  double feed_limit = 0.0;  ///< programmed feed, mm/s; 0 for a rapid
+  MoveTag tag;
+};
+
+class Planner {
+ public:
+  Planner(const PlannerSettings& settings, const Position& start);
+  ~Planner();
+  Planner(Planner&&) noexcept;
+  Planner& operator=(Planner&&) noexcept;
+
+  /// Appends a straight move / an arc from the end of what is queued. Moves of zero length are
+  /// accepted and vanish. Refused (and nothing queued) for NaN or infinite numbers, a feed that is
+  /// not positive, an axis without limits that would move, or a radius mismatch of the arc.
+  Result<void> add_line(const Position& end, const MoveOptions& options);
+  Result<void> add_arc(const ArcShape& arc, const MoveOptions& options);
+
+  /// True when enough path is queued for the present speed limits: adding more brings nothing.
+  [[nodiscard]] bool full() const;
+  /// Nothing queued and standing still.
+  [[nodiscard]] bool idle() const;
+
+  /// The next piece of motion; nothing when idle, or when held and standing still.
+  [[nodiscard]] std::optional<Setpoint> next();
+
+  /// Operator's overrides as factors; they act from the next setpoint on. Feed 0 … 3, 0 stops along
+  /// the path like hold(); rapid 0 … 1.
+  void set_overrides(double feed, double rapid);
+  /// Brakes along the path as hard as the limits allow; next() ends when standing still.
+  void hold();
+  void resume();
+  [[nodiscard]] bool held() const;
+
+  /// Drops everything that is queued. Only when standing still (after hold() or when idle): returns
+  /// false and does nothing otherwise.
+  bool clear();
+
+  /// Where the next move would start from, and where the last setpoint ended.
+  [[nodiscard]] const Position& queue_end() const;
+  [[nodiscard]] const Position& position() const;
+  /// Seconds of motion still queued, at the present overrides (for progress and prediction).
+  [[nodiscard]] double queued_time() const;
+
+  /// Standing still only: the machine was moved by other means (homing, jog, hand).
+  bool set_position(const Position& position);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace cnc::motion
