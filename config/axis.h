@@ -55,7 +55,8 @@ struct AxisArray {
   friend constexpr bool operator==(const AxisArray&, const AxisArray&) = default;
 };
 
-/// A point, displacement, velocity or acceleration: mm and degrees (per second, per second squared).
+/// A point, displacement, velocity or acceleration: mm and degrees (per second, per second
+/// squared).
 using Position = AxisArray<double>;
 
 constexpr Position& operator+=(Position& a, const Position& b) {

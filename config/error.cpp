@@ -1,9 +1,8 @@
 #include "config/error.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <array>
+#include <fmt/format.h>
 
 namespace cnc {
 namespace {
@@ -14,8 +13,8 @@ constexpr auto kTable = std::to_array<ErrorInfo>({
 #undef CNC_ERROR
 });
 
-static_assert(std::ranges::adjacent_find(kTable, std::ranges::greater_equal{},
-                                         &ErrorInfo::code) == kTable.end(),
+static_assert(std::ranges::adjacent_find(kTable, std::ranges::greater_equal{}, &ErrorInfo::code) ==
+                  kTable.end(),
               "error_table.def must be strictly ascending by number");
 
 }  // namespace

@@ -20,11 +20,11 @@ struct AxisConfig {
   double steps_per_unit = 100.0;  ///< negative reverses the motor; mm or degree
   double negative_limit = 0.0;    ///< machine coordinates
   double positive_limit = 0.0;
-  double velocity = 50.0;         ///< per second
-  double acceleration = 200.0;    ///< per second squared
+  double velocity = 50.0;       ///< per second
+  double acceleration = 200.0;  ///< per second squared
   double backlash = 0.0;
-  double home_velocity = 0.0;     ///< signed: direction of the search; 0 = homed by hand
-  double home_position = 0.0;     ///< machine position where the home switch releases
+  double home_velocity = 0.0;  ///< signed: direction of the search; 0 = homed by hand
+  double home_position = 0.0;  ///< machine position where the home switch releases
 
   [[nodiscard]] bool connected() const { return port != 0; }
 };

@@ -19,9 +19,12 @@ struct PlaneAxes {
 
 [[nodiscard]] constexpr PlaneAxes axes_of(Plane plane) {
   switch (plane) {
-    case Plane::xy: return {Axis::X, Axis::Y, Axis::Z};
-    case Plane::xz: return {Axis::Z, Axis::X, Axis::Y};
-    case Plane::yz: return {Axis::Y, Axis::Z, Axis::X};
+    case Plane::xy:
+      return {Axis::X, Axis::Y, Axis::Z};
+    case Plane::xz:
+      return {Axis::Z, Axis::X, Axis::Y};
+    case Plane::yz:
+      return {Axis::Y, Axis::Z, Axis::X};
   }
   return {Axis::X, Axis::Y, Axis::Z};
 }
