@@ -1,0 +1,35 @@
+// The loaded program: what loading answers, its text, and what its check found.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "api/error.h"
+
+namespace cnc::api {
+
+struct LoadedJob {
+  std::string path;  ///< absolute, on the server's computer
+  std::uint64_t lines = 0;
+  std::uint64_t bytes = 0;
+};
+
+struct ProgramText {
+  std::uint64_t first = 1;         ///< number of lines.front()
+  std::vector<std::string> lines;  ///< UTF-8 without line ends; fewer than asked at the end
+};
+
+struct Problem {
+  Error error;  ///< always with a place
+  std::string line_text;
+  std::uint32_t length = 0;  ///< of the offending text from error.place->column, characters
+  bool warning = false;
+};
+
+struct ProblemList {
+  std::vector<Problem> problems;
+  bool complete = false;  ///< the whole file has been checked
+};
+
+}  // namespace cnc::api

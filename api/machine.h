@@ -1,0 +1,56 @@
+// Who answers: versions, what the machine is, how punctual its link is.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "api/axis.h"
+
+namespace cnc::api {
+
+/// The API version that this library was built for. A server with another major version is refused
+/// at connect; minor versions only add what old clients do not notice.
+inline constexpr std::uint32_t kApiMajor = 1;
+inline constexpr std::uint32_t kApiMinor = 0;
+
+struct ServerVersion {
+  std::string server;  ///< "0.1.0"
+  std::uint32_t api_major = 0;
+  std::uint32_t api_minor = 0;
+  std::string controller;  ///< what is connected, for example "virtual CPU5 board"
+};
+
+struct AxisDescription {
+  Axis axis = Axis::X;
+  double negative_limit = 0.0;  ///< machine coordinates
+  double positive_limit = 0.0;
+  double max_velocity = 0.0;
+  double max_acceleration = 0.0;
+  double home_position = 0.0;
+};
+
+struct Machine {
+  bool inch = false;                  ///< how to display; the API stays in mm
+  std::vector<AxisDescription> axes;  ///< visible axes only, in the order X … C
+  bool homing_mandatory = false;
+};
+
+/// Cycles whose value was below `upper` and not below the upper of the bin before.
+struct HistogramBin {
+  double upper = 0.0;  ///< s; the last bin's is infinity
+  std::uint64_t count = 0;
+};
+
+struct LinkStatistics {
+  bool real_time = false;   ///< SCHED_FIFO and locked memory were granted
+  double cycle_time = 0.0;  ///< nominal, s
+  std::uint64_t cycles = 0;
+  double max_lateness = 0.0;  ///< worst delay of a cycle's start, s
+  double max_work = 0.0;      ///< longest cycle, s
+  std::vector<HistogramBin> lateness;
+  std::vector<HistogramBin> work;
+  double lowest_fifo_time = 0.0;  ///< s of motion left in the board, lowest seen while moving
+};
+
+}  // namespace cnc::api
