@@ -27,42 +27,64 @@ struct AxisConfig {
   double home_position = 0.0;  ///< machine position where the home switch releases
 
   [[nodiscard]] bool connected() const { return port != 0; }
+
+  friend bool operator==(const AxisConfig&, const AxisConfig&) = default;
+};
+
+/// LNK-3
+struct ConnectionConfig {
+  std::int32_t max_step_frequency = 125'000;  ///< Hz; no axis may need more at its velocity
+
+  friend bool operator==(const ConnectionConfig&, const ConnectionConfig&) = default;
 };
 
 struct TrajectoryConfig {
   double interpolation_time = 0.005;  ///< s
   double fifo_time = 0.25;            ///< s of motion kept in the board
   double laf_angle = 1.0;             ///< degrees
+
+  friend bool operator==(const TrajectoryConfig&, const TrajectoryConfig&) = default;
 };
 
 struct SpindleConfig {
   double max_speed = 24000.0;  ///< rpm at 100 % PWM
   double min_speed = 0.0;      ///< rpm
   double ramp_up_time = 1.0;   ///< s
+
+  friend bool operator==(const SpindleConfig&, const SpindleConfig&) = default;
 };
 
 struct SafetyConfig {
   bool homing_mandatory = true;
   bool home_sensor_is_estop = false;
+
+  friend bool operator==(const SafetyConfig&, const SafetyConfig&) = default;
 };
 
 struct InterpreterConfig {
   bool absolute_arc_centres = false;
   bool block_delete = false;
+
+  friend bool operator==(const InterpreterConfig&, const InterpreterConfig&) = default;
 };
 
 struct JobConfig {
   bool auto_tool_change = false;  ///< M6 does not stop for the operator
+
+  friend bool operator==(const JobConfig&, const JobConfig&) = default;
 };
 
 struct MachineConfig {
-  MachineUnit unit = MachineUnit::millimetre;
+  MachineUnit unit = MachineUnit::millimetre;  ///< of the file and the screen; never of the values
+  ConnectionConfig connection;
   AxisArray<AxisConfig> axes;
   TrajectoryConfig trajectory;
   SpindleConfig spindle;
   SafetyConfig safety;
   InterpreterConfig interpreter;
   JobConfig job;
+
+  friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
 };
 
 }  // namespace cnc::config

@@ -1,0 +1,195 @@
+// The rows of the settings table. The settings of an axis are written once and stand in the table
+// six times, with the units of a rotary axis for A, B and C.
+#include <algorithm>
+#include <array>
+
+#include "config/schema.h"
+
+namespace cnc::config {
+namespace {
+
+using enum SettingType;
+using enum SettingUnit;
+
+template <typename Field>
+constexpr void assign_field(Field& field, double value) {
+  field = static_cast<Field>(value);
+}
+
+/// A member of an axis.
+template <auto Member>
+constexpr SettingAccess kOfAxis{[](const MachineConfig& config, Axis axis) {
+                                  return static_cast<double>(config.axes[axis].*Member);
+                                },
+                                [](MachineConfig& config, Axis axis, double value) {
+                                  assign_field(config.axes[axis].*Member, value);
+                                }};
+
+/// A member of one of the groups of the machine.
+template <auto Group, auto Member>
+constexpr SettingAccess kOf{
+    [](const MachineConfig& config, Axis) { return static_cast<double>((config.*Group).*Member); },
+    [](MachineConfig& config, Axis, double value) {
+      assign_field((config.*Group).*Member, value);
+    }};
+
+/// A member of the machine itself.
+template <auto Member>
+constexpr SettingAccess kOfMachine{
+    [](const MachineConfig& config, Axis) { return static_cast<double>(config.*Member); },
+    [](MachineConfig& config, Axis, double value) { assign_field(config.*Member, value); }};
+
+constexpr std::array kUnitChoices{
+    Choice{"mm", static_cast<double>(MachineUnit::millimetre)},
+    Choice{"inch", static_cast<double>(MachineUnit::inch)},
+};
+
+constexpr std::array kStepFrequencyChoices{
+    Choice{"25000", 25'000},   Choice{"50000", 50'000},   Choice{"100000", 100'000},
+    Choice{"125000", 125'000}, Choice{"200000", 200'000}, Choice{"400000", 400'000},
+};
+
+// Bounds catch a slip of the hand (a missing point, a wrong unit), not a bold machine.
+constexpr double kFarthest = 1'000'000.0;
+constexpr double kFastest = 10'000.0;
+
+// clang-format off
+constexpr std::array kGeneralRows{
+    Setting{.section = "USERINTERFACE", .key = "machineUnit", .type = choice, .choices = kUnitChoices,
+            .help = "Unit of every length in this file and of the machine's screens; a program chooses its own with G20 and G21.",
+            .access = kOfMachine<&MachineConfig::unit>},
+    Setting{.section = "CONNECTION", .key = "maxStepFrequency", .type = choice, .unit = hertz, .choices = kStepFrequencyChoices,
+            .help = "Highest step frequency that the board sends to a drive; lower it for drives that cannot follow.",
+            .access = kOf<&MachineConfig::connection, &ConnectionConfig::max_step_frequency>},
+};
+
+constexpr std::array kAxisRows{
+    Setting{.key = "visible", .type = toggle,
+            .help = "Show the axis on the screens; a connected axis that is not visible can still be used by a program.",
+            .access = kOfAxis<&AxisConfig::visible>},
+    Setting{.key = "port", .type = integer, .min = 0, .max = 6,
+            .help = "Output port of the board that drives the motor; 0 when there is none.",
+            .access = kOfAxis<&AxisConfig::port>},
+    Setting{.key = "stepsPerUnit", .unit = steps_per_length, .min = -kFarthest, .max = kFarthest,
+            .help = "Steps of the motor for one unit of travel; a negative number reverses the motor.",
+            .access = kOfAxis<&AxisConfig::steps_per_unit>, .required_when_connected = true},
+    Setting{.key = "positiveLimit", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Highest machine position that the axis may take.",
+            .access = kOfAxis<&AxisConfig::positive_limit>, .required_when_connected = true},
+    Setting{.key = "negativeLimit", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Lowest machine position that the axis may take.",
+            .access = kOfAxis<&AxisConfig::negative_limit>, .required_when_connected = true},
+    Setting{.key = "velocity", .unit = length_per_second, .min = 0.001, .max = kFastest,
+            .help = "Highest velocity of the axis in any motion.",
+            .access = kOfAxis<&AxisConfig::velocity>, .required_when_connected = true},
+    Setting{.key = "acceleration", .unit = length_per_second2, .min = 0.001, .max = 1'000'000.0,
+            .help = "Highest acceleration of the axis in any motion.",
+            .access = kOfAxis<&AxisConfig::acceleration>, .required_when_connected = true},
+    Setting{.key = "backlash", .unit = length, .min = 0, .max = 10,
+            .help = "Play between motor and axis that is made up for at every reversal; above 0.1 mm mend the machine first.",
+            .access = kOfAxis<&AxisConfig::backlash>},
+    Setting{.key = "homeVelocity", .unit = length_per_second, .min = -kFastest, .max = kFastest,
+            .help = "Velocity of the search for the home switch; its sign is the direction, 0 means that the axis is homed by hand.",
+            .access = kOfAxis<&AxisConfig::home_velocity>},
+    Setting{.key = "homePosition", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Machine position at the edge of the home switch; it may lie outside of the limits.",
+            .access = kOfAxis<&AxisConfig::home_position>},
+};
+
+constexpr std::array kMotionRows{
+    Setting{.section = "TRAJECTORY", .key = "interpolationTime", .unit = second, .min = 0.0025, .max = 0.1,
+            .help = "Duration of one motion segment sent to the board.",
+            .access = kOf<&MachineConfig::trajectory, &TrajectoryConfig::interpolation_time>},
+    Setting{.section = "TRAJECTORY", .key = "fifoTime", .unit = second, .min = 0.05, .max = 2,
+            .help = "Motion that the board holds ready, so that a busy computer does not stop the machine.",
+            .access = kOf<&MachineConfig::trajectory, &TrajectoryConfig::fifo_time>},
+    Setting{.section = "TRAJECTORY", .key = "lafAngle", .unit = degree, .min = 0, .max = 180,
+            .help = "Corners flatter than this are passed without stopping; 0.1 to 3 is generally safe.",
+            .access = kOf<&MachineConfig::trajectory, &TrajectoryConfig::laf_angle>},
+    Setting{.section = "SPINDLE_0", .key = "spindleNmax", .unit = rpm, .min = 1, .max = 1'000'000,
+            .help = "Speed of the spindle when the PWM signal is at 100 %.",
+            .access = kOf<&MachineConfig::spindle, &SpindleConfig::max_speed>},
+    Setting{.section = "SPINDLE_0", .key = "spindleNmin", .unit = rpm, .min = 0, .max = 1'000'000,
+            .help = "Lowest speed of the spindle; a lower S is raised to it.",
+            .access = kOf<&MachineConfig::spindle, &SpindleConfig::min_speed>},
+    Setting{.section = "SPINDLE_0", .key = "spindleRampUpTime", .unit = second, .min = 0, .max = 120,
+            .help = "Wait between switching the spindle on and going on with the program.",
+            .access = kOf<&MachineConfig::spindle, &SpindleConfig::ramp_up_time>},
+    Setting{.section = "SAFETY", .key = "homingMandatory", .type = toggle,
+            .help = "No job and no MDI before the machine is homed, because its limits do not guard it until then.",
+            .access = kOf<&MachineConfig::safety, &SafetyConfig::homing_mandatory>},
+    Setting{.section = "SAFETY", .key = "homeSensorIsEstop", .type = toggle,
+            .help = "After homing, a home switch that becomes active is an emergency stop; mount the switches outside of the limits.",
+            .access = kOf<&MachineConfig::safety, &SafetyConfig::home_sensor_is_estop>},
+    Setting{.section = "INTERPRETER", .key = "absoluteCenterCoords", .type = toggle,
+            .help = "I, J and K of an arc are absolute coordinates instead of distances from its start.",
+            .access = kOf<&MachineConfig::interpreter, &InterpreterConfig::absolute_arc_centres>},
+    Setting{.section = "INTERPRETER", .key = "blockDelete", .type = toggle,
+            .help = "Skip the lines of a program that begin with a slash.",
+            .access = kOf<&MachineConfig::interpreter, &InterpreterConfig::block_delete>},
+    Setting{.section = "JOB", .key = "autoToolChange", .type = toggle,
+            .help = "M6 does not stop for the operator, because a changer brings the tool or it is in already.",
+            .access = kOf<&MachineConfig::job, &JobConfig::auto_tool_change>},
+};
+// clang-format on
+
+constexpr AxisArray<std::string_view> kAxisSections{
+    {"AXIS_X", "AXIS_Y", "AXIS_Z", "AXIS_A", "AXIS_B", "AXIS_C"}};
+
+constexpr SettingUnit rotary_unit(SettingUnit unit) {
+  switch (unit) {
+    case length:
+      return degree;
+    case length_per_second:
+      return degree_per_second;
+    case length_per_second2:
+      return degree_per_second2;
+    case steps_per_length:
+      return steps_per_degree;
+    case none:
+    case degree:
+    case degree_per_second:
+    case degree_per_second2:
+    case steps_per_degree:
+    case second:
+    case rpm:
+    case hertz:
+      return unit;
+  }
+  return unit;
+}
+
+constexpr Setting for_axis(Setting row, Axis axis) {
+  row.section = kAxisSections[axis];
+  row.axis = axis;
+  if (is_rotary(axis)) row.unit = rotary_unit(row.unit);
+  return row;
+}
+
+constexpr auto expanded_table() {
+  std::array<Setting, kGeneralRows.size() + kAxisCount * kAxisRows.size() + kMotionRows.size()>
+      table{};
+  auto out = std::ranges::copy(kGeneralRows, table.begin()).out;
+  for (const Axis axis : kAllAxes) {
+    for (const Setting& row : kAxisRows) *out++ = for_axis(row, axis);
+  }
+  std::ranges::copy(kMotionRows, out);
+  return table;
+}
+
+constexpr auto kTable = expanded_table();
+
+}  // namespace
+
+std::span<const Setting> settings() { return kTable; }
+
+std::string_view axis_section(Axis axis) { return kAxisSections[axis]; }
+
+const Setting* find_setting(std::string_view section, std::string_view key) {
+  const auto row = std::ranges::find_if(kTable, [section, key](const Setting& setting) {
+    return setting.section == section && setting.key == key;
+  });
+  return row == kTable.end() ? nullptr : &*row;
+}
+
+}  // namespace cnc::config
