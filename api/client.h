@@ -44,9 +44,9 @@ struct ClientOptions {
 
 /// Factors; what is not given stays.
 struct OverrideChange {
-  std::optional<double> feed;   ///< 0 … 3
-  std::optional<double> rapid;  ///< 0 … 1
-  std::optional<double> speed;  ///< 0 … 3
+  std::optional<double> feed{};   ///< 0 … 3
+  std::optional<double> rapid{};  ///< 0 … 1
+  std::optional<double> speed{};  ///< 0 … 3
 };
 struct Overrides {
   double feed = 1.0;

@@ -38,10 +38,10 @@ struct TextPlace {
 struct Error {
   ErrorKind kind = ErrorKind::failed;
   std::uint32_t code = 0;  ///< stable number, 0 if the server gave none
-  std::string name;        ///< stable identifier, for example "command_not_allowed"
-  std::string message;     ///< sentence for the operator, with the values of this case
-  std::string check;       ///< what to look at; may be empty
-  std::optional<TextPlace> place;
+  std::string name{};      ///< stable identifier, for example "command_not_allowed"
+  std::string message{};   ///< sentence for the operator, with the values of this case
+  std::string check{};     ///< what to look at; may be empty
+  std::optional<TextPlace> place{};
 
   /// "file:line:column: message [E5001]", without what is not known.
   [[nodiscard]] std::string to_string() const;

@@ -5,7 +5,7 @@
 // Thread rules. Every subscription owns one thread, and all its callbacks run on that thread, never
 // two at once, never before subscribe_…() was called and never after the handle's destructor has
 // returned. A callback may call any function of Client. It must not destroy its own handle: that
-// would wait for itself. A slow callback delays only its own subscription.
+// would wait for itself, and it must not throw. A slow callback delays only its own subscription.
 #pragma once
 
 #include <functional>
@@ -18,7 +18,8 @@
 
 namespace cnc::api {
 
-/// Told once for every change, and once for a first attempt that failed.
+/// Told once for every change of `connected` or of the kind of the reason, beginning with the
+/// outcome of the first attempt; not for every further attempt that fails for the same reason.
 struct ConnectionChange {
   bool connected = false;
   std::optional<Error> reason;  ///< why not connected: unavailable, incompatible, …
