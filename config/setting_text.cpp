@@ -153,7 +153,7 @@ std::string allowed_text(const Setting& setting, MachineUnit machine_unit) {
   if (setting.type == SettingType::toggle) return "0 or 1";
   if (setting.type == SettingType::choice) return "one of " + choice_names(setting);
   const auto unit = unit_text(setting.unit, machine_unit);
-  return fmt::format("{} from {:.6g} to {:.6g}{}{}",
+  return fmt::format("{} from {:.7g} to {:.7g}{}{}",
                      setting.type == SettingType::integer ? "a whole number" : "a number",
                      from_base(setting.min, setting.unit, machine_unit),
                      from_base(setting.max, setting.unit, machine_unit), unit.empty() ? "" : " ",

@@ -27,7 +27,7 @@ struct Tool {
   double x_offset = 0.0;  ///< for turning
   double diameter = 0.0;
   std::int32_t orientation = kCentredOrientation;  ///< 1 … 9, for turning
-  std::string description;
+  std::string description{};
 
   friend bool operator==(const Tool&, const Tool&) = default;
 };

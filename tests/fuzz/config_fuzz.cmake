@@ -1,0 +1,1 @@
+cnc_fuzz(config_fuzz config_fuzz.cpp cnc_config)
