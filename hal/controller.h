@@ -16,12 +16,14 @@
 namespace cnc::hal {
 
 /// One piece of motion for the board's FIFO: a cubic from the end of the segment before it. `id`
-/// counts up by one from segment to segment for as long as the link lives, never 0.
+/// counts up by one from segment to segment, never 0; the first after a fault or a quick stop may
+/// have any. Segments shorter than Capabilities::min_segment_duration are stretched to it, and
+/// later ones shortened until the total time is right again.
 struct Segment {
   std::uint32_t id = 0;
   double duration = 0.0;  ///< s
-  Position position;      ///< at the end, mm and degrees
-  Position velocity;      ///< at the end, per second
+  Position position{};    ///< at the end, mm and degrees
+  Position velocity{};    ///< at the end, per second
 };
 
 /// Digital and analog outputs that this version of the machine has.
@@ -60,24 +62,24 @@ struct Latch {
 };
 
 struct ControllerStatus {
-  double time = 0.0;                   ///< board time, s
+  double time = 0.0;  ///< board time, s
   bool connected = false;
   Faults faults = 0;
-  std::uint32_t executing_id = 0;      ///< segment in execution, or the last executed; 0 = none yet
-  double executing_phase = 0.0;        ///< 0 … 1 within it
-  std::uint32_t fifo_count = 0;        ///< segments waiting, the executing one not counted
-  double fifo_time = 0.0;              ///< seconds of motion still in the board
+  std::uint32_t executing_id = 0;  ///< segment in execution, or the last executed; 0 = none yet
+  double executing_phase = 0.0;    ///< 0 … 1 within it
+  std::uint32_t fifo_count = 0;    ///< segments waiting, the executing one not counted
+  double fifo_time = 0.0;          ///< seconds of motion still in the board
   bool moving = false;
-  Position position;                   ///< from the step counters, mm and degrees
-  Inputs inputs;
-  AxisArray<Latch> home_latch;
-  Outputs outputs;
+  Position position;  ///< from the step counters, mm and degrees
+  Inputs inputs{};
+  AxisArray<Latch> home_latch{};
+  Outputs outputs{};
 };
 
 struct Capabilities {
-  std::uint32_t fifo_capacity = 0;     ///< segments
-  double max_step_frequency = 0.0;     ///< Hz
-  double min_segment_duration = 0.0;   ///< s
+  std::uint32_t fifo_capacity = 0;    ///< segments
+  double max_step_frequency = 0.0;    ///< Hz
+  double min_segment_duration = 0.0;  ///< s
 };
 
 enum class LatchEdge : std::uint8_t { activate, release };
@@ -86,6 +88,8 @@ class Controller {
  public:
   virtual ~Controller() = default;
 
+  /// Allowed to take its time and to allocate: not part of the real-time loop. From then on the
+  /// board takes segments; status comes with the first exchange.
   virtual Result<Capabilities> connect() = 0;
   virtual void disconnect() = 0;
 
@@ -98,13 +102,16 @@ class Controller {
   /// Appends; returns how many were taken (fewer when the FIFO is full or a fault is pending).
   virtual std::size_t push(std::span<const Segment> segments) = 0;
 
+  /// While a fault is pending the board keeps its outputs in the safe state, and it does not bring
+  /// back what was on before: call again after clear_faults().
   virtual void set_outputs(const Outputs& outputs) = 0;
   /// Stops step pulses at once and empties the FIFO. Steps may be lost by a real motor.
   virtual void quick_stop() = 0;
   /// Clears faults whose cause is gone; the FIFO is empty afterwards.
   virtual void clear_faults() = 0;
-  /// Standing still only: gives the present step count of an axis a new machine position.
-  virtual void set_position(Axis axis, double position) = 0;
+  /// Gives the present step count of an axis a new machine position, exactly. False, and nothing
+  /// changed, while moving.
+  virtual bool set_position(Axis axis, double position) = 0;
 
   virtual void arm_home_latch(Axis axis, LatchEdge edge) = 0;
   virtual void disarm_home_latch(Axis axis) = 0;

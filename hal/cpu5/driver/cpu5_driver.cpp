@@ -1,0 +1,211 @@
+#include "hal/cpu5/driver/cpu5_driver.h"
+
+#include <fmt/format.h>
+
+namespace cnc::hal::cpu5 {
+namespace {
+
+static_assert(firmware::kAxisCount == cnc::kAxisCount);
+static_assert(firmware::kFifoUnderrun == static_cast<Faults>(Fault::fifo_underrun));
+static_assert(firmware::kEstop == static_cast<Faults>(Fault::estop));
+static_assert(firmware::kBadSegment == static_cast<Faults>(Fault::bad_segment));
+static_assert(firmware::kLinkLost == static_cast<Faults>(Fault::link_lost));
+
+constexpr double seconds(firmware::Ticks ticks) {
+  return static_cast<double>(ticks) / double{firmware::kTicksPerSecond};
+}
+
+// The board refuses segments from 1 % above the frequency that the configuration may use: rounded
+// durations and the cubic's ripple around a constant speed must not trip it.
+firmware::Setup setup_for(const DriverSettings& settings) {
+  const double limit = std::clamp(settings.max_step_frequency * 1.01, 0.0, 500e3);
+  return {.max_velocity = firmware::velocity_of_frequency(std::llround(limit)),
+          .host_timeout = std::llround(settings.host_timeout * double{firmware::kTicksPerSecond}),
+          .drives_off_on_fault = settings.drives_off_on_fault};
+}
+
+firmware::Outputs to_board(const Outputs& outputs) {
+  const double pwm = std::clamp(outputs.spindle_pwm, 0.0, 1.0) * firmware::Outputs::kFullPwm;
+  return {.drives_enabled = outputs.drives_enabled,
+          .spindle_on = outputs.spindle_on,
+          .spindle_clockwise = outputs.spindle_clockwise,
+          .spindle_pwm = static_cast<std::uint32_t>(std::lround(pwm)),
+          .mist = outputs.mist,
+          .flood = outputs.flood};
+}
+
+Outputs from_board(const firmware::Outputs& outputs) {
+  return {.drives_enabled = outputs.drives_enabled,
+          .spindle_on = outputs.spindle_on,
+          .spindle_clockwise = outputs.spindle_clockwise,
+          .spindle_pwm = static_cast<double>(outputs.spindle_pwm) / firmware::Outputs::kFullPwm,
+          .mist = outputs.mist,
+          .flood = outputs.flood};
+}
+
+Inputs from_board(const firmware::Inputs& inputs) {
+  Inputs result{.estop = inputs.estop, .probe = inputs.probe};
+  for (const Axis axis : kAllAxes) {
+    result.home[axis] = (inputs.home & firmware::axis_bit(index_of(axis))) != 0;
+  }
+  return result;
+}
+
+double phase_of(const firmware::Status& board) {
+  if (board.executing_duration == 0) return 0.0;
+  return static_cast<double>(board.executing_elapsed) /
+         static_cast<double>(board.executing_duration);
+}
+
+}  // namespace
+
+Cpu5Driver::Cpu5Driver(const config::MachineConfig& config, const DriverSettings& settings,
+                       std::unique_ptr<BoardPort> port)
+    : axes_(config.axes), settings_(settings), port_(std::move(port)) {
+  for (const Axis axis : kAllAxes) scales_[axis] = MotorScale(axes_[axis].steps_per_unit);
+}
+
+// --- connection ----------------------------------------------------------------------------------
+
+Result<Capabilities> Cpu5Driver::connect() {
+  if (auto checked = check_axes(); !checked) return std::unexpected(checked.error());
+  const auto opened = port_->open(setup_for(settings_));
+  if (!opened) return std::unexpected(opened.error());
+  board_ = *opened;
+  read_status();
+  status_.connected = true;
+  return Capabilities{.fifo_capacity = firmware::kFifoCapacity,
+                      .max_step_frequency = settings_.max_step_frequency,
+                      .min_segment_duration = seconds(firmware::kMinSegmentTicks)};
+}
+
+Result<void> Cpu5Driver::check_axes() const {
+  for (const Axis axis : kAllAxes) {
+    const config::AxisConfig& motor = axes_[axis];
+    if (!std::isfinite(motor.steps_per_unit) || motor.steps_per_unit == 0.0) {
+      return fail(ErrorCode::axis_steps_per_unit_unusable,
+                  fmt::format("Axis {} has {} steps per unit; it must be a number other than 0.",
+                              axis_name(axis), motor.steps_per_unit));
+    }
+    const double frequency = std::abs(motor.steps_per_unit) * motor.velocity;
+    if (motor.connected() && frequency > settings_.max_step_frequency) {
+      return fail(ErrorCode::step_frequency_too_high,
+                  fmt::format("Axis {} at {} per second with {} steps per unit needs {} steps/s; "
+                              "the board makes {}.",
+                              axis_name(axis), motor.velocity, motor.steps_per_unit, frequency,
+                              settings_.max_step_frequency));
+    }
+  }
+  return {};
+}
+
+void Cpu5Driver::disconnect() {
+  port_->close();
+  frame_.reset();
+  clock_.reset();
+  status_.connected = false;
+}
+
+const ControllerStatus& Cpu5Driver::exchange(double now) {
+  if (!status_.connected) return status_;
+  status_.connected = port_->exchange(now, frame_, board_);
+  if (!status_.connected) return status_;
+  frame_.reset();
+  read_status();
+  return status_;
+}
+
+// --- requests ------------------------------------------------------------------------------------
+
+std::size_t Cpu5Driver::free_segments() const {
+  const bool refused = status_.faults != 0 && !frame_.clear_faults;
+  if (!status_.connected || refused) return 0;
+  const std::size_t board_free =
+      frame_.quick_stop || frame_.clear_faults ? firmware::kFifoCapacity : board_.fifo_free;
+  return board_free > frame_.segment_count ? board_free - frame_.segment_count : 0;
+}
+
+std::size_t Cpu5Driver::push(std::span<const Segment> segments) {
+  const auto taken = segments.first(std::min(segments.size(), free_segments()));
+  for (const Segment& segment : taken) frame_.segments[frame_.segment_count++] = to_board(segment);
+  return taken.size();
+}
+
+firmware::Segment Cpu5Driver::to_board(const Segment& segment) {
+  firmware::Segment result{.id = segment.id, .duration = clock_.ticks_for(segment.duration)};
+  for (const Axis axis : kAllAxes) {
+    const MotorScale& scale = scales_[axis];
+    result.position[index_of(axis)] = scale.to_steps(segment.position[axis]);
+    result.velocity[index_of(axis)] = scale.to_step_velocity(segment.velocity[axis]);
+  }
+  return result;
+}
+
+void Cpu5Driver::set_outputs(const Outputs& outputs) {
+  frame_.has_outputs = true;
+  frame_.outputs = cpu5::to_board(outputs);
+}
+
+void Cpu5Driver::quick_stop() {
+  drop_segments();
+  frame_.quick_stop = true;
+}
+
+void Cpu5Driver::clear_faults() {
+  drop_segments();
+  frame_.clear_faults = true;
+}
+
+void Cpu5Driver::drop_segments() {
+  frame_.segment_count = 0;
+  clock_.reset();
+}
+
+bool Cpu5Driver::set_position(Axis axis, double position) {
+  if (status_.moving || frame_.segment_count != 0) return false;
+  scales_[axis].set_position(position, board_.counts[index_of(axis)]);
+  status_.position[axis] = position;
+  return true;
+}
+
+void Cpu5Driver::arm_home_latch(Axis axis, LatchEdge edge) {
+  frame_.latch[index_of(axis)] = edge == LatchEdge::activate ? firmware::LatchRequest::arm_activate
+                                                             : firmware::LatchRequest::arm_release;
+  status_.home_latch[axis] = {.armed = true};
+}
+
+void Cpu5Driver::disarm_home_latch(Axis axis) {
+  frame_.latch[index_of(axis)] = firmware::LatchRequest::disarm;
+  status_.home_latch[axis].armed = false;
+}
+
+// --- status --------------------------------------------------------------------------------------
+
+void Cpu5Driver::read_status() {
+  status_.time = seconds(board_.time);
+  status_.faults = board_.faults;
+  status_.executing_id = board_.executing_id;
+  status_.executing_phase = phase_of(board_);
+  status_.fifo_count = board_.fifo_count;
+  status_.fifo_time = seconds(board_.queued_time);
+  status_.moving = board_.moving;
+  status_.inputs = from_board(board_.inputs);
+  status_.outputs = from_board(board_.outputs);
+  for (const Axis axis : kAllAxes) {
+    status_.position[axis] = scales_[axis].position_of(board_.counts[index_of(axis)]);
+  }
+  read_latches();
+}
+
+// A caught count is converted once, when it is first seen: a later set_position() must not move it.
+void Cpu5Driver::read_latches() {
+  for (const Axis axis : kAllAxes) {
+    const firmware::HomeLatch& caught = board_.home_latch[index_of(axis)];
+    Latch& latch = status_.home_latch[axis];
+    if (caught.caught && !latch.caught) latch.position = scales_[axis].position_of(caught.count);
+    latch.armed = caught.armed;
+    latch.caught = caught.caught;
+  }
+}
+
+}  // namespace cnc::hal::cpu5

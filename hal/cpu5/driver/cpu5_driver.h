@@ -1,0 +1,63 @@
+// The CPU5 board as a Controller: machine coordinates to steps and ticks, status back.
+//
+// Requests are collected in one frame and leave with the next exchange(), in the order stop, clear,
+// latches, outputs, segments. After a fault the board keeps its outputs safe: only set_outputs()
+// called together with or after clear_faults() switches anything on again.
+#pragma once
+
+#include <memory>
+
+#include "config/machine_config.h"
+#include "hal/controller.h"
+#include "hal/cpu5/driver/board_port.h"
+#include "hal/cpu5/driver/motor_scale.h"
+#include "hal/cpu5/driver/tick_clock.h"
+
+namespace cnc::hal::cpu5 {
+
+struct DriverSettings {
+  double max_step_frequency = 400e3;  ///< Hz, at most 495 kHz; LNK-3
+  double host_timeout = 0.5;  ///< s without exchange until the board calls the link lost; 0 = never
+  bool drives_off_on_fault = true;
+};
+
+class Cpu5Driver : public Controller {
+ public:
+  Cpu5Driver(const config::MachineConfig& config, const DriverSettings& settings,
+             std::unique_ptr<BoardPort> port);
+
+  /// Refuses an axis whose steps per unit are no usable number, and one whose configured velocity
+  /// needs more than the maximum step frequency.
+  Result<Capabilities> connect() override;
+  void disconnect() override;
+  const ControllerStatus& exchange(double now) override;
+
+  [[nodiscard]] std::size_t free_segments() const override;
+  std::size_t push(std::span<const Segment> segments) override;
+
+  void set_outputs(const Outputs& outputs) override;
+  void quick_stop() override;
+  void clear_faults() override;
+  bool set_position(Axis axis, double position) override;
+
+  void arm_home_latch(Axis axis, LatchEdge edge) override;
+  void disarm_home_latch(Axis axis) override;
+
+ private:
+  [[nodiscard]] Result<void> check_axes() const;
+  [[nodiscard]] firmware::Segment to_board(const Segment& segment);
+  void drop_segments();
+  void read_status();
+  void read_latches();
+
+  AxisArray<config::AxisConfig> axes_;
+  DriverSettings settings_;
+  std::unique_ptr<BoardPort> port_;
+  AxisArray<MotorScale> scales_;
+  TickClock clock_;
+  firmware::HostFrame frame_;  // goes out with the next exchange
+  firmware::Status board_;     // as last heard
+  ControllerStatus status_;
+};
+
+}  // namespace cnc::hal::cpu5

@@ -1,0 +1,103 @@
+// The board's motion core: a FIFO of segments in, step pulses out; it latches, watches and stops by
+// itself. Portable to any processor with 64-bit integers: no heap, no operating system, no
+// exceptions, no floating point. The virtual machine runs this very code.
+//
+// The caller gives it time with advance(): a timer interrupt on a board, the simulation's clock
+// elsewhere. Segments are executed in slices of at most kSliceTicks counted from the segment's
+// start; a slice is done when all of its time has been given. The steps made therefore do not
+// depend on how the time was cut into calls, and lag behind it by less than one slice.
+//
+// Rules for segments: id one above the last accepted (any but 0 after start, quick stop or cleared
+// faults; 0 is skipped when the number wraps), duration 1 … kMaxSegmentTicks, position within
+// kMaxPosition, and the speed nowhere above Setup::max_velocity. A segment that breaks one is never
+// executed: it is the fault kBadSegment.
+//
+// Every fault stops the pulses at once, empties the FIFO, makes the outputs safe, and holds until
+// clear_faults(): meanwhile segments and outputs are refused. Where the pulses stopped is where the
+// next segment starts. Not thread-safe.
+#pragma once
+
+#include "hal/cpu5/firmware/board_io.h"
+#include "hal/cpu5/firmware/hermite.h"
+#include "hal/cpu5/firmware/segment_fifo.h"
+
+namespace cnc::hal::cpu5::firmware {
+
+class SliceSteps;
+
+inline constexpr std::uint32_t kFifoCapacity = 256;
+inline constexpr Ticks kSliceTicks = 1000;
+
+class Core {
+ public:
+  explicit Core(BoardIo& io);
+
+  /// Until this has been called every segment is too fast. False, and nothing changed, while moving
+  /// or for values out of range.
+  bool set_up(const Setup& setup);
+
+  /// The host was heard; it counts from the first call on.
+  void host_alive();
+
+  /// False when the segment was not taken: FIFO full, fault pending, or bad (which is a fault
+  /// then).
+  bool push(const Segment& segment);
+  void quick_stop();
+  /// Stops as quick_stop() does, and forgets faults whose cause is gone.
+  void clear_faults();
+  /// Refused while a fault is pending.
+  bool set_outputs(const Outputs& outputs);
+  void arm_latch(std::size_t axis, Edge edge);
+  void disarm_latch(std::size_t axis);
+
+  /// `ticks` >= 0 have passed since the last call.
+  void advance(Ticks ticks);
+
+  [[nodiscard]] Status status() const;
+
+ private:
+  [[nodiscard]] bool acceptable(const Segment& segment) const;
+  [[nodiscard]] bool host_silent() const;
+  bool start_next_segment();
+  void finish_segment();
+  void run_slice(Ticks length);
+  void place_axes(SliceSteps& steps);
+  void emit(SliceSteps& steps);
+  void sample_inputs();
+  void catch_latches(std::uint8_t home_before);
+  void stop_pulses();
+  void fail(FaultBits fault);
+
+  BoardIo& io_;
+  Setup setup_;
+  Outputs outputs_;
+  Inputs inputs_;
+  FaultBits faults_ = 0;
+
+  Ticks time_given_ = 0;  // by advance()
+  Ticks time_ = 0;        // up to which steps have been made
+  Ticks host_heard_ = 0;
+  bool host_known_ = false;
+
+  SegmentFifo<kFifoCapacity> fifo_;
+  Ticks fifo_ticks_ = 0;
+  PerAxis<StepPosition> tail_position_{};  // where the last accepted segment ends
+  PerAxis<StepVelocity> tail_velocity_{};
+  std::uint32_t tail_id_ = 0;
+  bool any_id_ = true;
+
+  bool executing_ = false;
+  Segment segment_;  // in execution, or the last executed
+  Ticks elapsed_ = 0;
+  PerAxis<Cubic> cubics_;
+  std::uint8_t moving_axes_ = 0;
+  PerAxis<StepPosition> start_position_{};  // of the segment in execution
+  PerAxis<StepVelocity> start_velocity_{};
+  PerAxis<StepPosition> position_{};
+
+  PerAxis<std::int64_t> counts_{};
+  PerAxis<HomeLatch> latches_{};
+  std::uint8_t armed_axes_ = 0;
+};
+
+}  // namespace cnc::hal::cpu5::firmware

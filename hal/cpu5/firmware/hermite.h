@@ -1,0 +1,48 @@
+// The cubic of one axis through a segment: from the end of the segment before it, with the velocity
+// that one ended with, to the segment's own end position and end velocity. Velocity is therefore
+// continuous within and between segments.
+//
+// With u = t / T, distance D, velocities v0 and v1 (per tick), Hermite interpolation is
+//   p(u) = T v0 u  +  (3 D - 2 T v0 - T v1) u^2  +  (T v0 + T v1 - 2 D) u^3
+#pragma once
+
+#include "hal/cpu5/firmware/fixed_point.h"
+
+namespace cnc::hal::cpu5::firmware {
+
+/// What an axis does during a segment.
+struct AxisMotion {
+  StepPosition distance = 0;
+  StepVelocity start_velocity = 0;
+  StepVelocity end_velocity = 0;
+  Ticks duration = 1;
+
+  [[nodiscard]] bool stands_still() const {
+    return distance == 0 && start_velocity == 0 && end_velocity == 0;
+  }
+};
+
+/// The polynomial's coefficients in u, in units of 2^-24 step.
+class Cubic {
+ public:
+  Cubic() = default;
+  /// Every velocity of `motion`, the mean one included, is at most kTopVelocity, and its duration
+  /// is 1 … kMaxSegmentTicks: then no product below exceeds 2^63.
+  explicit Cubic(const AxisMotion& motion);
+
+  /// Way made `elapsed` ticks after the segment's start. Within 2^-21 step of the true cubic; the
+  /// caller takes the segment's stated end at its last tick, so the error never adds up.
+  [[nodiscard]] StepPosition distance_after(Ticks elapsed) const;
+
+ private:
+  std::int64_t linear_ = 0;
+  std::int64_t quadratic_ = 0;
+  std::int64_t cubic_ = 0;
+  Ticks duration_ = 1;
+};
+
+/// Highest speed (absolute) anywhere in the motion. Velocities of `motion` and its mean velocity
+/// are at most kTopVelocity.
+[[nodiscard]] StepVelocity peak_speed(const AxisMotion& motion);
+
+}  // namespace cnc::hal::cpu5::firmware

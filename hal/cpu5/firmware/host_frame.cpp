@@ -1,0 +1,44 @@
+#include "hal/cpu5/firmware/host_frame.h"
+
+namespace cnc::hal::cpu5::firmware {
+namespace {
+
+void execute_latch(LatchRequest request, std::size_t axis, Core& core) {
+  switch (request) {
+    case LatchRequest::none:
+      return;
+    case LatchRequest::arm_activate:
+      return core.arm_latch(axis, Edge::activate);
+    case LatchRequest::arm_release:
+      return core.arm_latch(axis, Edge::release);
+    case LatchRequest::disarm:
+      return core.disarm_latch(axis);
+  }
+}
+
+}  // namespace
+
+void HostFrame::reset() {
+  quick_stop = false;
+  clear_faults = false;
+  latch = {};
+  has_outputs = false;
+  segment_count = 0;
+}
+
+void execute(const HostFrame& frame, Core& core) {
+  core.host_alive();
+  if (frame.quick_stop) core.quick_stop();
+  if (frame.clear_faults) core.clear_faults();
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    execute_latch(frame.latch[axis], axis, core);
+  }
+  if (frame.has_outputs) core.set_outputs(frame.outputs);
+  const std::uint32_t count =
+      frame.segment_count < kFifoCapacity ? frame.segment_count : kFifoCapacity;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    if (!core.push(frame.segments[i])) return;
+  }
+}
+
+}  // namespace cnc::hal::cpu5::firmware

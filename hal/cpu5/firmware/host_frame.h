@@ -1,0 +1,28 @@
+// What the host sends in one exchange, and how the core carries it out.
+#pragma once
+
+#include "hal/cpu5/firmware/core.h"
+
+namespace cnc::hal::cpu5::firmware {
+
+enum class LatchRequest : std::uint8_t { none, arm_activate, arm_release, disarm };
+
+/// The order of the members is the order of execution, so a frame can clear a fault, switch the
+/// drives on and start to move.
+struct HostFrame {
+  bool quick_stop = false;
+  bool clear_faults = false;
+  PerAxis<LatchRequest> latch{};
+  bool has_outputs = false;  ///< `outputs` counts; else they stay as they are
+  Outputs outputs;
+  std::uint32_t segment_count = 0;
+  std::array<Segment, kFifoCapacity> segments;  ///< only the first segment_count are meant
+
+  /// Back to a frame that asks for nothing; the segments' memory is left as it is.
+  void reset();
+};
+
+/// Also tells the core that the host is alive.
+void execute(const HostFrame& frame, Core& core);
+
+}  // namespace cnc::hal::cpu5::firmware

@@ -1,0 +1,79 @@
+// What the host and the board tell each other, as plain structs of fixed-width numbers.
+#pragma once
+
+#include "hal/cpu5/firmware/fixed_point.h"
+
+namespace cnc::hal::cpu5::firmware {
+
+/// One piece of motion: a cubic per axis from the end of the segment before it (hermite.h).
+struct Segment {
+  std::uint32_t id = 0;              ///< one more than the segment before it, never 0
+  std::uint32_t duration = 0;        ///< ticks, 1 … kMaxSegmentTicks
+  PerAxis<StepPosition> position{};  ///< at the end
+  PerAxis<StepVelocity> velocity{};  ///< at the end
+};
+
+struct Outputs {
+  static constexpr std::uint32_t kFullPwm = 1U << 16;
+
+  bool drives_enabled = false;
+  bool spindle_on = false;
+  bool spindle_clockwise = true;
+  std::uint32_t spindle_pwm = 0;  ///< 0 … kFullPwm
+  bool mist = false;
+  bool flood = false;
+
+  friend bool operator==(const Outputs&, const Outputs&) = default;
+};
+
+struct Inputs {
+  std::uint8_t home = 0;  ///< one bit per axis, X is bit 0
+  bool estop = false;
+  bool probe = false;
+};
+
+[[nodiscard]] constexpr std::uint8_t axis_bit(std::size_t axis) {
+  return static_cast<std::uint8_t>(1U << axis);
+}
+
+/// Why the board stopped by itself; bits of a FaultBits.
+using FaultBits = std::uint16_t;
+inline constexpr FaultBits kFifoUnderrun = 1 << 0;  ///< ran dry while moving
+inline constexpr FaultBits kEstop = 1 << 1;         ///< estop input active
+inline constexpr FaultBits kBadSegment = 1 << 2;    ///< order, duration, range or step frequency
+inline constexpr FaultBits kLinkLost = 1 << 3;      ///< host silent for longer than the time-out
+
+enum class Edge : std::uint8_t { activate, release };
+
+/// Catches an axis's step count at the step at which its home input changes.
+struct HomeLatch {
+  bool armed = false;
+  bool caught = false;
+  Edge edge = Edge::activate;
+  std::int64_t count = 0;
+};
+
+/// What the host decides once, before anything moves.
+struct Setup {
+  StepVelocity max_velocity = 0;  ///< faster segments are refused; 1 … kTopVelocity
+  Ticks host_timeout = 0;         ///< silence after which the link counts as lost; 0 = never
+  bool drives_off_on_fault = true;
+};
+
+struct Status {
+  Ticks time = 0;
+  FaultBits faults = 0;
+  std::uint32_t executing_id = 0;  ///< in execution, or the last executed; 0 = none yet
+  Ticks executing_elapsed = 0;
+  Ticks executing_duration = 0;
+  std::uint32_t fifo_count = 0;  ///< waiting, the executing one not counted
+  std::uint32_t fifo_free = 0;
+  Ticks queued_time = 0;  ///< motion still to be made, the executing segment's rest included
+  bool moving = false;
+  PerAxis<std::int64_t> counts{};  ///< steps since power-up; nothing ever sets them
+  Inputs inputs{};
+  PerAxis<HomeLatch> home_latch{};
+  Outputs outputs{};
+};
+
+}  // namespace cnc::hal::cpu5::firmware

@@ -1,0 +1,1 @@
+cnc_fuzz(hal_fuzz "${CMAKE_CURRENT_LIST_DIR}/hal_fuzz.cpp" cnc_hal)

@@ -1,0 +1,44 @@
+// The link loop is real-time: after connect() neither driver nor board allocates.
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+#include "tests/hal/machine_support.h"
+
+namespace {
+std::atomic<std::uint64_t> allocations{0};
+}
+
+void* operator new(std::size_t size) {
+  ++allocations;
+  if (void* memory = std::malloc(size)) return memory;
+  throw std::bad_alloc();
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+using namespace cnc;
+using namespace cnc::hal;
+using namespace cnc::hal::sim;
+
+TEST_CASE("Exchange, push and the other real-time calls allocate nothing", "[hal]") {
+  const auto controller = make_virtual_controller(small_machine());
+  REQUIRE(controller->connect());
+  const std::uint64_t before = allocations;
+  controller->set_outputs({.drives_enabled = true});
+  controller->arm_home_latch(Axis::X, LatchEdge::activate);
+  for (std::uint32_t i = 1; i <= 1000; ++i) {
+    Segment segment{.id = i, .duration = 0.005};
+    segment.position[Axis::X] = 0.05 * i;
+    controller->push({&segment, 1});
+    controller->exchange(0.005 * i);
+  }
+  controller->disarm_home_latch(Axis::X);
+  controller->quick_stop();
+  controller->clear_faults();
+  controller->set_position(Axis::Y, 1.0);
+  const Position end = controller->exchange(6.0).position;
+  const std::uint64_t after = allocations;
+  CHECK(after == before);
+  CHECK(end[Axis::X] > 40.0);
+}

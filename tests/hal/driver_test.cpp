@@ -1,0 +1,252 @@
+// The CPU5 driver in front of the virtual board, seen as a Controller.
+#include <limits>
+
+#include "tests/hal/machine_support.h"
+
+using namespace cnc;
+using namespace cnc::hal;
+using namespace cnc::hal::sim;
+
+namespace {
+
+constexpr auto kEstop = static_cast<Faults>(Fault::estop);
+constexpr auto kUnderrun = static_cast<Faults>(Fault::fifo_underrun);
+constexpr auto kBadSegment = static_cast<Faults>(Fault::bad_segment);
+constexpr auto kLinkLost = static_cast<Faults>(Fault::link_lost);
+
+std::unique_ptr<VirtualController> controller_at_zero() {
+  return make_virtual_controller(small_machine(), {.machine = {.start = Position{}}});
+}
+
+}  // namespace
+
+TEST_CASE("connect tells what the board can do", "[hal][LNK-2][LNK-3]") {
+  const auto controller = controller_at_zero();
+  CHECK(controller->free_segments() == 0);
+  const auto capabilities = controller->connect();
+  REQUIRE(capabilities);
+  CHECK(capabilities->fifo_capacity == 256);
+  CHECK(capabilities->max_step_frequency == 400e3);
+  CHECK(capabilities->min_segment_duration == Approx(10e-6));
+  CHECK(controller->free_segments() == 256);
+}
+
+TEST_CASE("A velocity that needs more steps than the board makes is an error at setup time",
+          "[hal][LNK-3]") {
+  config::MachineConfig config = small_machine();
+  config.axes[Axis::Z].steps_per_unit = -8000.0;
+  config.axes[Axis::Z].velocity = 50.1;  // 400.8 kHz
+  const auto refused = make_virtual_controller(config)->connect();
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::step_frequency_too_high);
+  CHECK(refused.error().message.find("Axis Z") == 0);
+
+  config.axes[Axis::Z].velocity = 50.0;
+  CHECK(make_virtual_controller(config)->connect());
+  CHECK_FALSE(
+      make_virtual_controller(config, {.driver = {.max_step_frequency = 100e3}})->connect());
+}
+
+TEST_CASE("Steps per unit of zero are refused, naming the axis", "[hal]") {
+  config::MachineConfig config = small_machine();
+  config.axes[Axis::Y].steps_per_unit = 0.0;
+  const auto refused = make_virtual_controller(config)->connect();
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::axis_steps_per_unit_unusable);
+  CHECK(refused.error().message.find("Axis Y") == 0);
+}
+
+TEST_CASE("A step frequency beyond the board's is refused by the board", "[hal][LNK-3]") {
+  const auto refused =
+      make_virtual_controller(small_machine(), {.driver = {.max_step_frequency = -1.0}})->connect();
+  REQUIRE_FALSE(refused);
+}
+
+TEST_CASE("A segment moves the machine to its end, within half a step", "[hal][LNK-2]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  Segment segment{.id = 1, .duration = 0.1};
+  segment.position[Axis::X] = 1.2337;   // 246.74 steps: 247
+  segment.position[Axis::Y] = -0.9999;  // -199.98 steps: -200
+  REQUIRE(controller->push({&segment, 1}) == 1);
+  hand.status();
+  hand.wait(0.05);
+  CHECK(hand.status().moving);
+  CHECK(hand.status().executing_id == 1);
+  CHECK(hand.status().executing_phase == Approx(0.5));
+  CHECK(hand.status().fifo_time == Approx(0.05));
+  hand.wait(0.05);
+  CHECK_FALSE(hand.status().moving);
+  CHECK(hand.status().executing_phase == 1.0);
+  CHECK(hand.status().position[Axis::X] == Approx(247 / 200.0));
+  CHECK(hand.status().position[Axis::Y] == Approx(-200 / 200.0));
+  CHECK(controller->machine().physical_position(Axis::X) == Approx(247 / 200.0));
+  CHECK(hand.status().faults == 0);
+}
+
+TEST_CASE("An axis without a port is counted like the others, so a job does not notice", "[hal]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  hand.move(Axis::C, 3.0);
+  CHECK(hand.status().position[Axis::C] == Approx(3.0));
+  CHECK(controller->machine().physical_position(Axis::C) == 0.0);
+}
+
+TEST_CASE("push takes what fits and says how much", "[hal][LNK-2]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  std::vector<Segment> segments(300);
+  for (std::uint32_t i = 0; i < 300; ++i) {
+    segments[i] = {.id = i + 1, .duration = 0.005};
+    segments[i].position[Axis::X] = 0.05 * (i + 1);
+  }
+  CHECK(controller->push(segments) == 256);
+  CHECK(controller->free_segments() == 0);
+  CHECK(controller->push(segments) == 0);
+  const ControllerStatus filled = hand.status();
+  CHECK(filled.fifo_count == 256);
+  CHECK(filled.fifo_time == Approx(256 * 0.005));
+  hand.wait(0.0125);
+  CHECK(controller->free_segments() == 3);
+  CHECK(controller->push(std::span(segments).subspan(256)) == 3);
+  for (int i = 0; i < 14; ++i) hand.wait(0.1);  // 259 segments take 1.295 s
+  CHECK(hand.status().faults == 0);
+  CHECK(hand.status().position[Axis::X] == Approx(259 * 0.05));
+}
+
+TEST_CASE("set_position renames the count exactly, also between two steps", "[hal][HOM-2]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  hand.move(Axis::X, 10.0);
+  REQUIRE(controller->set_position(Axis::X, -12.3456));  // no multiple of 0.005 mm
+  CHECK(hand.status().position[Axis::X] == Approx(-12.3456).margin(1e-12));
+  CHECK(controller->machine().physical_position(Axis::X) == Approx(10.0));
+  hand.move(Axis::X, 5.0);
+  CHECK(hand.status().position[Axis::X] == Approx(-7.3456).margin(1e-12));
+  CHECK(controller->machine().physical_position(Axis::X) == Approx(15.0));
+}
+
+TEST_CASE("set_position while moving is refused", "[hal]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  Segment segment{.id = 1, .duration = 0.1};
+  segment.position[Axis::X] = 5.0;
+  controller->push({&segment, 1});
+  CHECK_FALSE(controller->set_position(Axis::X, 0.0));
+  hand.status();
+  hand.wait(0.05);
+  CHECK_FALSE(controller->set_position(Axis::X, 0.0));
+  hand.wait(0.05);
+  CHECK(controller->set_position(Axis::X, 0.0));
+}
+
+TEST_CASE("An estop stops, switches off, and needs a release, a clear and new outputs",
+          "[hal][STA-2][STA-4]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  controller->set_outputs({.drives_enabled = true, .spindle_on = true, .spindle_pwm = 0.5});
+  CHECK(hand.status().outputs.spindle_pwm == 0.5);
+  controller->machine().press_estop(true);
+  hand.wait(0.001);
+  CHECK(hand.status().faults == kEstop);
+  CHECK(hand.status().inputs.estop);
+  CHECK(hand.status().outputs == Outputs{});
+  CHECK(controller->free_segments() == 0);
+
+  controller->clear_faults();
+  CHECK(hand.status().faults == kEstop);
+  controller->machine().press_estop(false);
+  hand.wait(0.001);
+  controller->clear_faults();
+  CHECK(hand.status().faults == 0);
+  CHECK_FALSE(controller->machine().outputs().spindle_on);
+
+  controller->set_outputs({.drives_enabled = true});
+  hand.move(Axis::X, 1.0);
+  CHECK(controller->machine().physical_position(Axis::X) == Approx(1.0));
+}
+
+TEST_CASE("Clear, outputs and motion may be asked for in one exchange", "[hal][STA-2]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  Segment run{.id = 1, .duration = 0.1};
+  run.position[Axis::X] = 2.5;
+  run.velocity[Axis::X] = 50.0;
+  controller->push({&run, 1});
+  hand.status();
+  hand.wait(0.2);
+  REQUIRE(hand.status().faults == kUnderrun);
+  Segment back{.id = 1, .duration = 0.1};
+  controller->clear_faults();
+  controller->set_outputs({.drives_enabled = true});
+  CHECK(controller->push({&back, 1}) == 1);
+  hand.status();
+  hand.wait(0.1);
+  CHECK(hand.status().faults == 0);
+  CHECK(controller->machine().physical_position(Axis::X) == Approx(0.0).margin(1e-9));
+}
+
+TEST_CASE("quick_stop also drops what has not been sent yet", "[hal]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  Segment segment{.id = 1, .duration = 0.1};
+  segment.position[Axis::X] = 5.0;
+  controller->push({&segment, 1});
+  controller->quick_stop();
+  hand.status();
+  hand.wait(1.0 / 3);
+  CHECK(hand.status().position[Axis::X] == 0.0);
+  CHECK(hand.status().faults == 0);
+  CHECK(controller->push({&segment, 1}) == 1);
+}
+
+TEST_CASE("Numbers that are none are refused by the board, not executed", "[hal]") {
+  const double value = GENERATE(std::numeric_limits<double>::quiet_NaN(),
+                                std::numeric_limits<double>::infinity(), -1e300);
+  const int where = GENERATE(0, 1, 2);
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  Segment segment{.id = 1, .duration = 0.1};
+  if (where == 0) segment.duration = value;
+  if (where == 1) segment.position[Axis::Z] = value;
+  if (where == 2) segment.velocity[Axis::Z] = value;
+  controller->push({&segment, 1});
+  CHECK(hand.status().faults == kBadSegment);
+  hand.wait(0.2);
+  CHECK(hand.status().position == Position{});
+}
+
+TEST_CASE("A host that stays away too long has lost the link", "[hal][LNK-4]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  hand.wait(0.5);
+  CHECK(hand.status().faults == 0);
+  hand.wait(0.6);
+  CHECK(hand.status().faults == kLinkLost);
+  CHECK(hand.status().position == Position{});
+}
+
+TEST_CASE("After disconnect nothing is taken, and the counters are kept for the next connect",
+          "[hal][LNK-4]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  hand.move(Axis::X, 3.0);
+  controller->disconnect();
+  CHECK_FALSE(hand.status().connected);
+  const Segment segment{.id = 50, .duration = 0.1};
+  CHECK(controller->push({&segment, 1}) == 0);
+  REQUIRE(controller->connect());
+  CHECK(hand.status().connected);
+  CHECK(hand.status().position[Axis::X] == Approx(3.0));
+}
+
+TEST_CASE("The same job gives the same machine to the bit", "[hal]") {
+  const auto end_of_job = [] {
+    const auto controller = controller_at_zero();
+    Hand hand(*controller);
+    hand.move(Axis::X, 17.77);
+    hand.move(Axis::Y, -33.1);
+    return hand.status().position;
+  };
+  CHECK(end_of_job() == end_of_job());
+}
