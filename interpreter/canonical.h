@@ -1,7 +1,7 @@
 // Canonical commands: what a program means once offsets, units, modes and expressions are resolved.
 //
-// They are the only thing that leaves the interpreter for the machine. Each kind is a small value of
-// its own; positions are machine coordinates in mm and degrees with every offset applied (work
+// They are the only thing that leaves the interpreter for the machine. Each kind is a small value
+// of its own; positions are machine coordinates in mm and degrees with every offset applied (work
 // offset, G92, rotation, scaling, tool length), feeds are mm/s, times are seconds, so nothing
 // downstream can see inches, minutes or a work coordinate system. Names and order follow the
 // canonical machining functions of the NIST RS274/NGC interpreter (Kramer, Proctor, Messina,
@@ -27,9 +27,9 @@ struct SourceLine {
   friend constexpr bool operator==(SourceLine, SourceLine) = default;
 };
 
-enum class LengthUnit : std::uint8_t { millimetre, inch };                 ///< G21 G20
+enum class LengthUnit : std::uint8_t { millimetre, inch };                        ///< G21 G20
 enum class FeedMode : std::uint8_t { per_minute, inverse_time, per_revolution };  ///< G94 G93 G95
-enum class PathMode : std::uint8_t { exact_path, exact_stop, continuous };  ///< G61 G61.1 G64
+enum class PathMode : std::uint8_t { exact_path, exact_stop, continuous };        ///< G61 G61.1 G64
 enum class SpindleDirection : std::uint8_t { off, clockwise, counterclockwise };  ///< M5 M3 M4
 
 // --- motion: each of these moves the machine to `end`, from wherever it is ---------------------
@@ -102,7 +102,8 @@ struct UseToolLength {
   double x = 0.0;
 };
 
-// --- machine functions -----------------------------------------------------------------------------
+// --- machine functions
+// -----------------------------------------------------------------------------
 
 struct SetSpindleSpeed {
   double speed = 0.0;  ///< rpm
@@ -129,7 +130,8 @@ struct EnableOverrides {
   bool speed = true;
 };
 
-// --- flow ------------------------------------------------------------------------------------------
+// --- flow
+// ------------------------------------------------------------------------------------------
 
 enum class StopKind : std::uint8_t { program_stop, optional_stop };  ///< M0; M1
 /// Wait for the operator's "go on". M1 waits only when the optional stop switch is on.
@@ -139,7 +141,13 @@ struct ProgramStop {
 /// M2 M30, or the end of the file. The last command of a program.
 struct ProgramEnd {};
 
-enum class MessageKind : std::uint8_t { message, warning, error, comment };
+enum class MessageKind : std::uint8_t {
+  message,  ///< msg, (MSG,...)
+  warning,  ///< warnmsg; a ProgramStop follows
+  error,    ///< errmsg; the program fails after it
+  log,      ///< logmsg
+  comment,  ///< (...) and ;...
+};
 /// Text for the operator. `text` belongs to the interpreter and is valid until its next call.
 struct Message {
   MessageKind kind = MessageKind::message;

@@ -1,8 +1,8 @@
 // The G-code interpreter: program text in, canonical commands and diagnostics out.
 //
 // Pull interface: the caller asks for one command after the other and decides by the pace of its
-// asking when the program goes on. The interpreter has no thread, no clock, opens no file, and knows
-// nothing of motion. Running, checking and rendering a program differ only in who asks.
+// asking when the program goes on. The interpreter has no thread, no clock, opens no file, and
+// knows nothing of motion. Running, checking and rendering a program differ only in who asks.
 //
 //   Interpreter interpreter(settings, parameters, tools);
 //   interpreter.start(program, machine_position);
@@ -25,18 +25,11 @@
 #include "config/tool_table.h"
 #include "interpreter/canonical.h"
 #include "interpreter/diagnostic.h"
+#include "interpreter/interpreter_settings.h"
 #include "interpreter/modal_state.h"
 #include "interpreter/program.h"
 
 namespace cnc::interp {
-
-struct InterpreterSettings {
-  LengthUnit default_unit = LengthUnit::millimetre;  ///< active until G20/G21 says otherwise
-  bool absolute_arc_centres = false;                 ///< I J K are absolute (AbsoluteCenterCoords)
-  bool block_delete = false;                         ///< lines that begin with "/" are skipped
-  std::uint32_t lines_per_call = 10'000;  ///< next() returns `working` after that many silent lines
-  std::uint32_t max_call_depth = 64;      ///< nested gosubs
-};
 
 enum class Progress : std::uint8_t {
   command,  ///< command() holds the next command
@@ -64,6 +57,9 @@ class Interpreter {
   [[nodiscard]] Progress next();
   [[nodiscard]] const Command& command() const;
   [[nodiscard]] const Diagnostic& diagnostic() const;
+  /// After `failed`, for checking a program only: goes on with the next line as if the wrong one
+  /// were not there. False when nothing has failed.
+  bool skip_failed_line();
 
   /// Machine position that the program has reached in the interpreter, and after the world moved it
   /// (jog in a pause, homing).
@@ -72,10 +68,17 @@ class Interpreter {
 
   [[nodiscard]] const ModalState& modal() const;
   void set_block_delete(bool on);
+  /// The tool that is in the spindle, 0 … 99, when the world knows better (start-up, change by
+  /// hand).
+  void set_tool_in_spindle(std::int32_t tool);
   /// Work coordinates = machine coordinates − this (work offset, G92, tool length).
   [[nodiscard]] Position total_offset() const;
   /// The line that next() will read next, from 1.
   [[nodiscard]] std::uint32_t next_line() const;
+  /// Lines read since start(), every round of a loop counted.
+  [[nodiscard]] std::uint64_t lines_run() const;
+  /// The program has ended at the end of its file, without M2 or M30.
+  [[nodiscard]] bool ran_off_end() const;
 
  private:
   struct Impl;

@@ -1,0 +1,30 @@
+// Arcs in their plane: from the words of a program to a centre (manual 3.4.3).
+#pragma once
+
+#include "interpreter/canonical.h"
+#include "interpreter/refusal.h"
+
+namespace cnc::interp {
+
+/// A point in the plane of an arc, along its first and second axis, mm.
+struct PlanePoint {
+  double first = 0.0;
+  double second = 0.0;
+
+  friend bool operator==(PlanePoint, PlanePoint) = default;
+};
+
+/// How far the two radii of an arc may differ. The manual says 0.002 mm or 0.0002 inch. Post
+/// processors that round to three decimals miss that on large arcs, so 0.1 % of the radius is
+/// allowed too: on 100 mm that is what rounding the centre to 0.1 mm does.
+[[nodiscard]] double radius_tolerance(LengthUnit unit, double radius);
+
+/// Refuses a centre from which start and end are not equally far.
+[[nodiscard]] Accepted check_centre(PlanePoint start, PlanePoint end, PlanePoint centre,
+                                    LengthUnit unit, Span span);
+
+/// The centre of an arc given by its radius: positive up to half a turn, negative more.
+[[nodiscard]] Parsed<PlanePoint> centre_of_radius(PlanePoint start, PlanePoint end, double radius,
+                                                  bool clockwise, LengthUnit unit, Span span);
+
+}  // namespace cnc::interp

@@ -1,0 +1,121 @@
+#include "interpreter/block.h"
+
+#include <cmath>
+#include <fmt/format.h>
+
+namespace cnc::interp {
+namespace {
+
+constexpr double kWholeTolerance = 0.0001;
+constexpr double kMaxWhole = 1e9;
+
+/// Words that are executed by themselves, with or without a code beside them.
+[[nodiscard]] const Code* item_of_word(char letter) {
+  switch (letter) {
+    case 'F':
+      return &feed_word();
+    case 'S':
+      return &speed_word();
+    case 'T':
+      return &tool_word();
+    default:
+      return nullptr;  // every other letter waits for a code to use it
+  }
+}
+
+}  // namespace
+
+std::optional<std::int32_t> whole_number(double value) {
+  const double nearest = std::nearbyint(value);
+  // Also false for NaN.
+  if (!(std::abs(value - nearest) <= kWholeTolerance) || std::abs(nearest) > kMaxWhole) {
+    return std::nullopt;
+  }
+  return static_cast<std::int32_t>(nearest);
+}
+
+void Block::clear() {
+  words_ = 0;
+  steps_ = 0;
+  groups_ = 0;
+  m_codes_ = 0;
+  settings_.clear();
+}
+
+Accepted Block::add_word(char letter, double value, Span span) {
+  if (letter == 'G') return add_g_code(value, span);
+  if (letter == 'M') return add_m_code(value, span);
+  if (has(letter)) {
+    return refuse(ErrorCode::word_repeated, span,
+                  fmt::format("The word {} stands twice on this line.", letter),
+                  "Each letter but G and M once per line.");
+  }
+  words_ |= word_bit(letter);
+  values_[index(letter)] = value;
+  word_spans_[index(letter)] = span;
+  if (const Code* item = item_of_word(letter)) put_code(*item, span);
+  return {};
+}
+
+Accepted Block::add_g_code(double value, Span span) {
+  const auto number = whole_number(value * 10.0);
+  const Code* code = number ? find_g_code(*number) : nullptr;
+  if (code != nullptr) return add_code(*code, span);
+  return refuse(ErrorCode::unknown_g_code, span,
+                fmt::format("G{:.10g} is not a code that this interpreter knows.", value),
+                names_of(g_codes()));
+}
+
+Accepted Block::add_m_code(double value, Span span) {
+  const auto number = whole_number(value);
+  const Code* code = number ? find_m_code(*number) : nullptr;
+  if (code == nullptr) {
+    return refuse(ErrorCode::unknown_m_code, span,
+                  fmt::format("M{:.10g} is not a code that this interpreter knows.", value),
+                  names_of(m_codes()));
+  }
+  if (++m_codes_ > kMaxMCodes) {
+    return refuse(ErrorCode::too_many_m_codes, span,
+                  fmt::format("{} is the fifth M code of this line.", code->name),
+                  "At most four M codes per line.");
+  }
+  return add_code(*code, span);
+}
+
+Accepted Block::add_code(const Code& code, Span span) {
+  const std::uint32_t group = std::uint32_t{1} << static_cast<unsigned>(code.group);
+  if ((groups_ & group) != 0) {
+    const auto holder = [&] {
+      for (std::size_t i = 0; i < kStepCount; ++i) {
+        const Step step{static_cast<std::uint8_t>(i)};
+        if (has(step) && this->code(step).group == code.group) return this->code(step).name;
+      }
+      return std::string_view{};
+    }();
+    return refuse(ErrorCode::modal_group_conflict, span,
+                  fmt::format("{} cannot stand on one line with {}: they belong to the same group.",
+                              code.name, holder),
+                  "One code of a modal group per line.");
+  }
+  groups_ |= group;
+  put_code(code, span);
+  return {};
+}
+
+void Block::put_code(const Code& code, Span span) {
+  steps_ |= step_bit(code.step);
+  codes_[index(code.step)] = &code;
+  code_spans_[index(code.step)] = span;
+}
+
+void Block::set_comment(const Message& message) {
+  comment_ = message;
+  put_code(comment_item(), {});
+}
+
+std::optional<double> Block::find(char letter) const {
+  if (!has(letter)) return std::nullopt;
+  return value(letter);
+}
+
+}  // namespace cnc::interp

@@ -1,0 +1,92 @@
+// What stands on one line of a program, as values: words, codes, parameter settings and the
+// comment.
+//
+// Filled by the parser (constants) and by the expression code (everything else), checked as a whole
+// by check_block(), then executed in the order of its steps. Clearing a block is four stores: the
+// bit sets say which array elements mean anything.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "config/axis.h"
+#include "interpreter/canonical.h"
+#include "interpreter/code_table.h"
+#include "interpreter/refusal.h"
+
+namespace cnc::interp {
+
+/// "#3 = 15": takes effect after everything else of the line.
+struct ParameterSetting {
+  std::int32_t number = 0;
+  double value = 0.0;
+  Span span;
+};
+
+class Block {
+ public:
+  void clear();
+
+  /// Each refuses what cannot stand on the line together with what is already there.
+  Accepted add_word(char upper_letter, double value, Span span);
+  void add_setting(const ParameterSetting& setting) { settings_.push_back(setting); }
+  /// Only the last comment of a line counts (manual 3.2.5).
+  void set_comment(const Message& message);
+
+  /// The code that is executed at its step; replaces what was there. For implied motion.
+  void put_code(const Code& code, Span span);
+  void drop_step(Step step) { steps_ &= ~step_bit(step); }
+
+  [[nodiscard]] WordSet words() const { return words_; }
+  [[nodiscard]] bool has(char upper_letter) const { return (words_ & word_bit(upper_letter)) != 0; }
+  [[nodiscard]] double value(char upper_letter) const { return values_[index(upper_letter)]; }
+  [[nodiscard]] std::optional<double> find(char upper_letter) const;
+  [[nodiscard]] Span span_of(char upper_letter) const { return word_spans_[index(upper_letter)]; }
+
+  [[nodiscard]] bool has(Axis axis) const { return has(axis_name(axis)[0]); }
+  [[nodiscard]] double value(Axis axis) const { return value(axis_name(axis)[0]); }
+
+  /// Set of steps as bits, in the order of execution from bit 0 on.
+  [[nodiscard]] std::uint32_t steps() const { return steps_; }
+  [[nodiscard]] bool has(Step step) const { return (steps_ & step_bit(step)) != 0; }
+  [[nodiscard]] const Code& code(Step step) const { return *codes_[index(step)]; }
+  [[nodiscard]] Span span_of(Step step) const { return code_spans_[index(step)]; }
+
+  [[nodiscard]] const std::vector<ParameterSetting>& settings() const { return settings_; }
+  [[nodiscard]] const Message& comment() const { return comment_; }
+  [[nodiscard]] bool empty() const { return steps_ == 0 && words_ == 0 && settings_.empty(); }
+
+  [[nodiscard]] static constexpr std::uint32_t step_bit(Step step) {
+    return std::uint32_t{1} << static_cast<unsigned>(step);
+  }
+
+ private:
+  static constexpr std::size_t kLetters = 26;
+  static constexpr std::uint8_t kMaxMCodes = 4;  // manual 3.2.5
+
+  static constexpr std::size_t index(char letter) { return static_cast<std::size_t>(letter - 'A'); }
+  static constexpr std::size_t index(Step step) { return static_cast<std::size_t>(step); }
+
+  Accepted add_g_code(double value, Span span);
+  Accepted add_m_code(double value, Span span);
+  Accepted add_code(const Code& code, Span span);
+
+  WordSet words_ = 0;
+  std::uint32_t steps_ = 0;
+  std::uint32_t groups_ = 0;
+  std::uint8_t m_codes_ = 0;
+  std::array<double, kLetters> values_{};
+  std::array<Span, kLetters> word_spans_{};
+  std::array<const Code*, kStepCount> codes_{};
+  std::array<Span, kStepCount> code_spans_{};
+  std::vector<ParameterSetting> settings_;
+  Message comment_;
+};
+
+/// `value` as the whole number that it is meant to be: within 0.0001 of one (manual 3.2.2.1).
+[[nodiscard]] std::optional<std::int32_t> whole_number(double value);
+
+}  // namespace cnc::interp

@@ -1,0 +1,172 @@
+#include "interpreter/check.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <numbers>
+#include <set>
+#include <utility>
+
+namespace cnc::interp {
+
+void Extents::add(Axis axis, double value) {
+  lowest[axis] = std::min(lowest[axis], value);
+  highest[axis] = std::max(highest[axis], value);
+}
+
+void Extents::add(const Position& position) {
+  if (std::exchange(empty, false)) {
+    lowest = highest = position;
+    return;
+  }
+  for (const Axis axis : kAllAxes) add(axis, position[axis]);
+}
+
+namespace {
+
+/// An angle in 0 … 2 pi.
+[[nodiscard]] double full_turn(double angle) {
+  constexpr double kTurn = 2.0 * std::numbers::pi;
+  const double rest = std::fmod(angle, kTurn);
+  return rest < 0.0 ? rest + kTurn : rest;
+}
+
+/// Adds the points where an arc turns back along an axis: every quarter of the circle that it
+/// passes.
+void add_quadrants(Extents& extents, const Position& start, const ArcMove& arc) {
+  constexpr double kQuarter = std::numbers::pi / 2.0;
+  const PlaneAxes axes = axes_of(arc.plane);
+  const auto angle = [&](const Position& p) {
+    return std::atan2(p[axes.second] - arc.second_centre, p[axes.first] - arc.first_centre);
+  };
+  const double radius =
+      std::hypot(start[axes.first] - arc.first_centre, start[axes.second] - arc.second_centre);
+  const bool counterclockwise = arc.turns > 0;
+  const double from = counterclockwise ? angle(start) : angle(arc.end);
+  const double to = counterclockwise ? angle(arc.end) : angle(start);
+  double sweep = full_turn(to - from);
+  const bool full = std::abs(arc.turns) > 1 || (start[axes.first] == arc.end[axes.first] &&
+                                                start[axes.second] == arc.end[axes.second]);
+  if (full) sweep = 2.0 * std::numbers::pi;
+  for (int quarter = 0; quarter < 4; ++quarter) {
+    if (full_turn(quarter * kQuarter - from) > sweep) continue;
+    const double side = quarter < 2 ? radius : -radius;
+    if (quarter % 2 == 0) {
+      extents.add(axes.first, arc.first_centre + side);
+    } else {
+      extents.add(axes.second, arc.second_centre + side);
+    }
+  }
+}
+
+class Checker {
+ public:
+  Checker(const CheckOptions& options, Interpreter& interpreter, std::string name)
+      : options_(options),
+        interpreter_(interpreter),
+        name_(std::move(name)),
+        position_(interpreter.position()) {
+    report_.motion.add(position_);
+  }
+
+  CheckReport run(const Program& program) {
+    report_.line_count = program.line_count();
+    while (go_on()) {
+      switch (interpreter_.next()) {
+        case Progress::command:
+          use(interpreter_.command());
+          break;
+        case Progress::working:
+          break;
+        case Progress::failed:
+          add_error(interpreter_.diagnostic());
+          if (report_.errors.size() >= options_.max_errors) return std::move(report_);
+          interpreter_.skip_failed_line();
+          break;
+        case Progress::ended:
+          report_.complete = true;
+          if (interpreter_.ran_off_end()) note_missing_end(program);
+          return std::move(report_);
+      }
+    }
+    return std::move(report_);
+  }
+
+ private:
+  bool go_on() {
+    if (options_.cancel != nullptr && options_.cancel->load(std::memory_order_relaxed)) {
+      report_.cancelled = true;
+      return false;
+    }
+    if (options_.line_budget == 0 || interpreter_.lines_run() < options_.line_budget) return true;
+    add_warning(ErrorCode::check_incomplete, interpreter_.next_line(),
+                fmt::format("The check ended after {} lines; the program goes on.",
+                            interpreter_.lines_run()));
+    return false;
+  }
+
+  void use(const Command& command) {
+    ++report_.commands;
+    if (const auto* move = std::get_if<RapidMove>(&command.body)) {
+      arrive(move->end);
+    } else if (const auto* feed = std::get_if<FeedMove>(&command.body)) {
+      cut(feed->end);
+    } else if (const auto* arc = std::get_if<ArcMove>(&command.body)) {
+      report_.cutting.add(position_);
+      add_quadrants(report_.cutting, position_, *arc);
+      add_quadrants(report_.motion, position_, *arc);
+      cut(arc->end);
+    }
+    if (options_.sink) options_.sink(command);
+  }
+
+  void cut(const Position& end) {
+    report_.cutting.add(position_);
+    report_.cutting.add(end);
+    arrive(end);
+  }
+
+  void arrive(const Position& end) {
+    report_.motion.add(end);
+    position_ = end;
+  }
+
+  void add_error(const Diagnostic& diagnostic) {
+    if (!seen_.insert({diagnostic.line, diagnostic.code}).second) return;
+    report_.errors.push_back(diagnostic);
+  }
+
+  void add_warning(ErrorCode code, std::uint32_t line, std::string sentence) {
+    Diagnostic warning;
+    warning.code = code;
+    warning.severity = Severity::warning;
+    warning.sentence = std::move(sentence);
+    warning.file = name_;
+    warning.line = line;
+    report_.warnings.push_back(std::move(warning));
+  }
+
+  void note_missing_end(const Program& program) {
+    add_warning(ErrorCode::no_program_end, program.line_count(),
+                "The program ends without M2 or M30.");
+  }
+
+  const CheckOptions& options_;
+  Interpreter& interpreter_;
+  std::string name_;
+  Position position_;
+  CheckReport report_;
+  std::set<std::pair<std::uint32_t, ErrorCode>> seen_;
+};
+
+}  // namespace
+
+CheckReport check(std::shared_ptr<const Program> program, const InterpreterSettings& settings,
+                  config::ParameterStore parameters, const config::ToolTable& tools,
+                  const Position& start, const CheckOptions& options) {
+  Interpreter interpreter(settings, parameters, tools);
+  interpreter.start(program, start);
+  return Checker(options, interpreter, program->name()).run(*program);
+}
+
+}  // namespace cnc::interp

@@ -1,0 +1,114 @@
+#include "interpreter/check_block.h"
+
+#include <bit>
+#include <fmt/format.h>
+
+namespace cnc::interp {
+namespace {
+
+constexpr std::int32_t kG0 = 0;
+constexpr std::int32_t kG1 = 10;
+constexpr std::int32_t kG80 = 800;
+
+[[nodiscard]] char first_letter(WordSet set) {
+  return static_cast<char>('A' + std::countr_zero(set));
+}
+
+[[nodiscard]] bool is_straight(std::int32_t motion) { return motion == kG0 || motion == kG1; }
+
+[[nodiscard]] bool takes_axes(const Code& code) { return code.axes != AxisUse::none; }
+
+/// "G1 F300" sets mode and feed: the manual wants axis words, CAM systems leave them out.
+[[nodiscard]] bool only_sets_mode(const Block& block, const Code& motion) {
+  return is_straight(motion.number) && block.has('F') && !block.has(Step::machine_coordinates);
+}
+
+/// A full circle needs no end point: "G2 I5".
+[[nodiscard]] bool stands_without_axes(const Block& block, const Code& motion) {
+  return (motion.uses & words("IJK") & block.words()) != 0 || only_sets_mode(block, motion);
+}
+
+Accepted check_axes_of(const Block& block, Step step) {
+  const Code& code = block.code(step);
+  const bool has_axes = (block.words() & kAxisWords) != 0;
+  if (code.axes != AxisUse::required || has_axes || stands_without_axes(block, code)) return {};
+  return refuse(ErrorCode::axis_words_missing, block.span_of(step),
+                fmt::format("{} needs at least one axis word.", code.name), "X Y Z A B C");
+}
+
+Accepted check_machine_coordinates(const Block& block, const ModalState& modal) {
+  if (!block.has(Step::machine_coordinates)) return {};
+  const Span span = block.span_of(Step::machine_coordinates);
+  if ((block.words() & kAxisWords) == 0) {
+    return refuse(ErrorCode::axis_words_missing, span, "G53 needs at least one axis word.",
+                  "X Y Z A B C");
+  }
+  const std::int32_t motion =
+      block.has(Step::motion) ? block.code(Step::motion).number : modal.motion;
+  if (is_straight(motion)) return {};
+  return refuse(ErrorCode::machine_move_not_straight, span,
+                "G53 moves in machine coordinates with G0 or G1 only.", "G0 or G1 on this line.");
+}
+
+/// Axis words belong to exactly one code; without any they belong to the motion in force.
+Accepted assign_axes(Block& block, const ModalState& modal) {
+  const bool has_axes = (block.words() & kAxisWords) != 0;
+  const bool non_modal_takes =
+      block.has(Step::non_modal) && takes_axes(block.code(Step::non_modal));
+  const bool motion_takes = block.has(Step::motion) && takes_axes(block.code(Step::motion));
+  if (non_modal_takes && motion_takes) {
+    return refuse(ErrorCode::axis_words_claimed_twice, block.span_of(Step::motion),
+                  fmt::format("{} and {} both use the axis words of this line.",
+                              block.code(Step::non_modal).name, block.code(Step::motion).name),
+                  "Two lines.");
+  }
+  if (!has_axes || non_modal_takes || motion_takes) return {};
+
+  const Span span = block.span_of(first_letter(block.words() & kAxisWords));
+  if (block.has(Step::motion) || modal.motion == kG80) {
+    return refuse(ErrorCode::axis_words_not_allowed, span,
+                  "These axis words belong to no motion: G80 is active.",
+                  "A motion code, for example G0 or G1.");
+  }
+  block.put_code(*find_g_code(modal.motion), span);
+  return {};
+}
+
+/// Every word belongs to a code of the line, and to one only.
+Accepted check_words(const Block& block) {
+  WordSet used = kFreeWords;
+  for (std::uint32_t steps = block.steps(); steps != 0; steps &= steps - 1) {
+    const Step step{static_cast<std::uint8_t>(std::countr_zero(steps))};
+    const Code& code = block.code(step);
+    if (const WordSet twice = used & code.uses & block.words(); twice != 0) {
+      const char letter = first_letter(twice);
+      return refuse(ErrorCode::word_claimed_twice, block.span_of(letter),
+                    fmt::format("More than one code of this line uses the word {}.", letter),
+                    "Two lines.");
+    }
+    if (const WordSet missing = code.needs & ~block.words(); missing != 0) {
+      return refuse(ErrorCode::word_missing, block.span_of(step),
+                    fmt::format("{} needs the word {}.", code.name, first_letter(missing)));
+    }
+    if (Accepted axes = check_axes_of(block, step); !axes) return axes;
+    used |= code.uses;
+    if (takes_axes(code)) used |= kAxisWords;
+  }
+  const WordSet unused = block.words() & ~used;
+  if (unused == 0) return {};
+  const char letter = first_letter(unused);
+  const std::string users = codes_with_word(letter);
+  return refuse(ErrorCode::word_unused, block.span_of(letter),
+                fmt::format("The word {} belongs to no code of this line.", letter),
+                users.empty() ? "No code uses it." : "Codes with this word: " + users);
+}
+
+}  // namespace
+
+Accepted check_block(Block& block, const ModalState& modal) {
+  if (Accepted g53 = check_machine_coordinates(block, modal); !g53) return g53;
+  if (Accepted axes = assign_axes(block, modal); !axes) return axes;
+  return check_words(block);
+}
+
+}  // namespace cnc::interp

@@ -1,0 +1,78 @@
+#include "interpreter/execution.h"
+
+#include <bit>
+
+#include "interpreter/parameter_access.h"
+
+namespace cnc::interp {
+
+Accepted Execution::run(const Block& block, SourceLine source) {
+  block_ = &block;
+  source_ = source;
+  const MachineState before = state_;
+  const std::size_t commands_before = commands_.size();
+  if (Accepted done = run_steps(); !done) {
+    state_ = before;
+    commands_.resize(commands_before, Command{ProgramEnd{}, source});
+    writes_.clear();
+    program_ended_ = false;
+    return done;
+  }
+  if (!writes_.empty()) apply_writes();
+  if (!block.settings().empty()) apply_settings();
+  return {};
+}
+
+Accepted Execution::run_steps() {
+  for (std::uint32_t steps = block_->steps(); steps != 0; steps &= steps - 1) {
+    const Step step{static_cast<std::uint8_t>(std::countr_zero(steps))};
+    code_ = &block_->code(step);
+    code_span_ = block_->span_of(step);
+    if (Accepted done = code_->handler(*this); !done) return done;
+  }
+  return {};
+}
+
+void Execution::apply_writes() {
+  for (const ParameterWrite& write : writes_) parameters_.set(write.number, write.value);
+  writes_.clear();
+}
+
+void Execution::apply_settings() {
+  const ParameterAccess access(parameters_, tools_, state_);
+  bool offsets_changed = false;
+  for (const ParameterSetting& setting : block_->settings()) {
+    parameters_.set(setting.number, access.to_store(setting.number, setting.value));
+    offsets_changed |= ParameterAccess::affects_offsets(setting.number);
+  }
+  if (offsets_changed) reload_offsets();
+}
+
+void Execution::set_six(std::int32_t first, const Position& position) {
+  for (const Axis axis : kAllAxes) {
+    set_parameter(first + static_cast<std::int32_t>(index_of(axis)), position[axis]);
+  }
+}
+
+void Execution::reload_offsets() {
+  const std::int32_t system = parameters_.active_system();
+  const Position offset = parameters_.work_offset(system);
+  if (system == state_.modal.work_system && offset == state_.coordinates.work_offset()) return;
+  state_.modal.work_system = system;
+  state_.coordinates.set_work_offset(offset);
+  emit(SetWorkOffset{system, true, offset});
+}
+
+void Execution::reload_tool_length() {
+  const ModalState& modal = state_.modal;
+  const bool from_spindle = modal.length_source == LengthSource::spindle_tool;
+  const std::int32_t number = from_spindle ? modal.tool : modal.length_tool;
+  const bool none = modal.length_source == LengthSource::none;
+  const config::Tool& tool = tools_.tool(none ? 0 : number);
+  const Position& now = state_.coordinates.tool_length();
+  if (now[Axis::X] == tool.x_offset && now[Axis::Z] == tool.length) return;
+  state_.coordinates.set_tool_length(tool.x_offset, tool.length);
+  emit(UseToolLength{tool.length, tool.x_offset});
+}
+
+}  // namespace cnc::interp

@@ -1,0 +1,89 @@
+// Carrying out one checked block: its items in the order of table 3-7, all or nothing.
+//
+// Execution is what a handler sees: the block, the state to change, the tables to read and the
+// queue of commands. A refusal in any item puts state, queue and parameters back.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "config/parameter_store.h"
+#include "config/tool_table.h"
+#include "interpreter/block.h"
+#include "interpreter/canonical.h"
+#include "interpreter/machine_state.h"
+#include "interpreter/refusal.h"
+
+namespace cnc::interp {
+
+class Execution {
+ public:
+  Execution(config::ParameterStore& parameters, const config::ToolTable& tools)
+      : parameters_(parameters), tools_(tools) {}
+
+  /// Executes `block`, which check_block() has accepted.
+  Accepted run(const Block& block, SourceLine source);
+
+  // --- for the handlers ---
+  [[nodiscard]] const Block& block() const { return *block_; }
+  /// Ten times the G number, or the M number, of the code that is being executed.
+  [[nodiscard]] std::int32_t code() const { return code_->number; }
+  [[nodiscard]] std::string_view code_name() const { return code_->name; }
+  [[nodiscard]] Span code_span() const { return code_span_; }
+
+  [[nodiscard]] MachineState& state() { return state_; }
+  [[nodiscard]] const MachineState& state() const { return state_; }
+  [[nodiscard]] const config::ToolTable& tools() const { return tools_; }
+
+  template <typename Body>
+  void emit(const Body& body) {
+    commands_.emplace_back(CommandBody{body}, source_);
+  }
+
+  [[nodiscard]] const config::ParameterStore& parameters() const { return parameters_; }
+  /// Written when the whole line has succeeded.
+  void set_six(std::int32_t first, const Position& position);
+  void set_parameter(std::int32_t number, double value) { writes_.push_back({number, value}); }
+
+  /// Marks the program as ended after this line.
+  void end_program() { program_ended_ = true; }
+
+  // --- for the interpreter ---
+  [[nodiscard]] std::vector<Command>& commands() { return commands_; }
+  [[nodiscard]] const std::vector<Command>& commands() const { return commands_; }
+  [[nodiscard]] bool program_ended() const { return program_ended_; }
+  /// The line of commands that are emitted outside of run(); the program goes on.
+  void begin(SourceLine source) {
+    source_ = source;
+    program_ended_ = false;
+  }
+  /// Reads work system and offsets from the parameters again; emits what has changed.
+  void reload_offsets();
+  /// Looks up the tool length in force again; emits it when it has changed.
+  void reload_tool_length();
+
+ private:
+  struct ParameterWrite {
+    std::int32_t number;
+    double value;
+  };
+
+  Accepted run_steps();
+  void apply_settings();
+  void apply_writes();
+
+  config::ParameterStore& parameters_;
+  const config::ToolTable& tools_;
+
+  MachineState state_;
+  std::vector<Command> commands_;
+  std::vector<ParameterWrite> writes_;
+  bool program_ended_ = false;
+
+  const Block* block_ = nullptr;
+  const Code* code_ = nullptr;
+  Span code_span_;
+  SourceLine source_;
+};
+
+}  // namespace cnc::interp

@@ -1,0 +1,47 @@
+// The public face: program control. runner.h reads and runs the lines.
+#include "interpreter/interpreter.h"
+
+#include "interpreter/runner.h"
+
+namespace cnc::interp {
+
+struct Interpreter::Impl {
+  Impl(const InterpreterSettings& settings, config::ParameterStore& parameters,
+       const config::ToolTable& tools)
+      : runner(settings, parameters, tools) {}
+
+  Runner runner;
+};
+
+Interpreter::Interpreter(const InterpreterSettings& settings, config::ParameterStore& parameters,
+                         const config::ToolTable& tools)
+    : impl_(std::make_unique<Impl>(settings, parameters, tools)) {}
+Interpreter::~Interpreter() = default;
+
+void Interpreter::start(std::shared_ptr<const Program> program, const Position& machine_position,
+                        std::uint32_t line) {
+  impl_->runner.start(std::move(program), machine_position, line);
+}
+
+void Interpreter::stop() { impl_->runner.stop(); }
+void Interpreter::reset() { impl_->runner.reset(); }
+Progress Interpreter::next() { return impl_->runner.next(); }
+const Command& Interpreter::command() const { return impl_->runner.command(); }
+const Diagnostic& Interpreter::diagnostic() const { return impl_->runner.diagnostic(); }
+bool Interpreter::skip_failed_line() { return impl_->runner.skip_failed_line(); }
+
+const Position& Interpreter::position() const { return impl_->runner.state().position; }
+void Interpreter::set_position(const Position& machine_position) {
+  impl_->runner.state().position = machine_position;
+}
+const ModalState& Interpreter::modal() const { return impl_->runner.state().modal; }
+void Interpreter::set_block_delete(bool on) { impl_->runner.set_block_delete(on); }
+void Interpreter::set_tool_in_spindle(std::int32_t tool) {
+  impl_->runner.state().modal.tool = config::ToolTable::is_valid(tool) ? tool : 0;
+}
+Position Interpreter::total_offset() const { return impl_->runner.state().coordinates.total(); }
+std::uint32_t Interpreter::next_line() const { return impl_->runner.next_line(); }
+std::uint64_t Interpreter::lines_run() const { return impl_->runner.lines_run(); }
+bool Interpreter::ran_off_end() const { return impl_->runner.ran_off_end(); }
+
+}  // namespace cnc::interp

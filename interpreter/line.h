@@ -1,0 +1,64 @@
+// A parsed line: constants are already in its block, everything that must be computed is code for a
+// small stack machine. Parsing happens once, evaluation each time the line runs; a plain line has
+// no code and its block is used as it stands.
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "interpreter/block.h"
+#include "interpreter/operators.h"
+
+namespace cnc::interp {
+
+enum class Statement : std::uint8_t {
+  block,  ///< words, settings and comments; also an empty line
+  if_begin,
+  if_else,
+  if_end,
+  while_begin,
+  while_end,
+  sub_begin,
+  sub_end,
+  gosub,
+  message,  ///< msg warnmsg errmsg logmsg; which one is the kind of the block's comment
+};
+
+struct Op {
+  OpCode code;
+  Span span;
+  std::int32_t argument = 0;
+  double number = 0.0;
+};
+
+struct Line {
+  Statement statement = Statement::block;
+  bool optional = false;    ///< begins with "/"
+  MessageKind text_kind{};  ///< of a text statement
+  Block block;
+  std::vector<Op> code;
+  std::vector<std::string_view> pieces;  ///< quoted texts, in the program's text
+  std::string_view name;                 ///< of the sub in sub and gosub, in the program's text
+  Span name_span;
+
+  void clear();
+};
+
+class ParameterAccess;
+
+/// What evaluating a line yields.
+struct Evaluation {
+  Block block;
+  double condition = 0.0;  ///< of if and while
+  std::string text;        ///< of a text statement
+};
+
+/// Runs the code of `line`; `result.block` becomes the complete block.
+Accepted evaluate(const Line& line, const ParameterAccess& parameters, Evaluation& result);
+
+/// A number in a text: at most six decimals, no trailing zeros, as short as it can be.
+[[nodiscard]] std::string number_text(double value);
+
+}  // namespace cnc::interp

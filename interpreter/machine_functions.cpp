@@ -1,0 +1,139 @@
+// F S T, comments and the M codes: everything but motion and coordinates.
+#include <fmt/format.h>
+
+#include "interpreter/execution.h"
+#include "interpreter/handlers.h"
+
+namespace cnc::interp {
+namespace {
+
+constexpr double kSecondsPerMinute = 60.0;
+
+Accepted check_not_negative(const Execution& x, char letter, std::string_view what) {
+  if (x.block().value(letter) >= 0.0) return {};
+  return refuse(ErrorCode::word_out_of_range, x.block().span_of(letter),
+                fmt::format("{} cannot be negative.", what),
+                fmt::format("{} of 0 or more.", letter));
+}
+
+void use_spindle(Execution& x, SpindleDirection direction) {
+  x.state().modal.spindle = direction;
+  x.emit(TurnSpindle{direction});
+}
+
+void use_coolant(Execution& x, bool mist, bool flood) {
+  x.state().modal.mist = mist;
+  x.state().modal.flood = flood;
+  x.emit(SetCoolant{mist, flood});
+}
+
+/// The unit of lengths on this line, which table 3-7 sets after F: "G21 F600" on a machine that
+/// stands in inches must not become 600 inches per minute.
+[[nodiscard]] double line_scale(const Execution& x) {
+  if (!x.block().has(Step::units)) return x.state().scale();
+  const std::int32_t code = x.block().code(Step::units).number;
+  return millimetres_per(code == 200 || code == 700 ? LengthUnit::inch : LengthUnit::millimetre);
+}
+
+}  // namespace
+
+Accepted show_comment(Execution& x) {
+  x.emit(x.block().comment());
+  return {};
+}
+
+Accepted set_feed(Execution& x) {
+  if (Accepted positive = check_not_negative(x, 'F', "The feed rate"); !positive) return positive;
+  ModalState& modal = x.state().modal;
+  const double per_second = x.block().value('F') / kSecondsPerMinute;
+  if (modal.feed_mode == FeedMode::inverse_time) {
+    modal.feed = per_second;
+  } else {
+    modal.linear_feed = per_second * line_scale(x);
+    modal.rotary_feed = per_second;
+    modal.feed = modal.linear_feed;
+  }
+  x.emit(SetFeedRate{modal.feed_mode, modal.feed});
+  return {};
+}
+
+Accepted set_speed(Execution& x) {
+  if (Accepted positive = check_not_negative(x, 'S', "The spindle speed"); !positive) {
+    return positive;
+  }
+  x.state().modal.speed = x.block().value('S');
+  x.emit(SetSpindleSpeed{x.state().modal.speed});
+  return {};
+}
+
+Accepted select_tool(Execution& x) {
+  const double value = x.block().value('T');
+  const auto tool = whole_number(value);
+  if (!tool || !config::ToolTable::is_valid(*tool)) {
+    return refuse(ErrorCode::word_out_of_range, x.block().span_of('T'),
+                  fmt::format("T{:.10g} is not a tool.", value),
+                  fmt::format("T0 (no tool) to T{}.", config::kMaxTool));
+  }
+  x.state().modal.selected_tool = *tool;
+  x.emit(SelectTool{*tool});
+  return {};
+}
+
+// The spindle stands after a tool change (manual 3.5.3).
+Accepted change_tool(Execution& x) {
+  ModalState& modal = x.state().modal;
+  if (modal.spindle != SpindleDirection::off) use_spindle(x, SpindleDirection::off);
+  modal.tool = modal.selected_tool;
+  x.emit(ChangeTool{modal.tool});
+  if (modal.length_source == LengthSource::spindle_tool) x.reload_tool_length();
+  return {};
+}
+
+Accepted turn_spindle(Execution& x) {
+  use_spindle(x, x.code() == 3   ? SpindleDirection::clockwise
+                 : x.code() == 4 ? SpindleDirection::counterclockwise
+                                 : SpindleDirection::off);
+  return {};
+}
+
+Accepted switch_coolant(Execution& x) {
+  const ModalState& modal = x.state().modal;
+  const bool off = x.code() == 9;
+  use_coolant(x, !off && (modal.mist || x.code() == 7), !off && (modal.flood || x.code() == 8));
+  return {};
+}
+
+Accepted switch_overrides(Execution& x) {
+  const bool enabled = x.code() == 48;
+  x.state().modal.overrides_enabled = enabled;
+  x.emit(EnableOverrides{enabled, enabled});
+  return {};
+}
+
+Accepted stop_program(Execution& x) {
+  x.emit(ProgramStop{x.code() == 0 ? StopKind::program_stop : StopKind::optional_stop});
+  return {};
+}
+
+// What M30 puts back is the manual's list (3.5.1): work system and G92 stay, on purpose. Only what
+// changes is said again.
+Accepted end_program(Execution& x) {
+  ModalState& modal = x.state().modal;
+  if (modal.plane != Plane::xy) x.emit(SelectPlane{Plane::xy});
+  if (!modal.overrides_enabled) x.emit(EnableOverrides{true, true});
+  if (modal.spindle != SpindleDirection::off) use_spindle(x, SpindleDirection::off);
+  if (modal.mist || modal.flood) use_coolant(x, false, false);
+  if (modal.feed_mode != FeedMode::per_minute) {
+    modal.feed_mode = FeedMode::per_minute;
+    modal.feed = modal.linear_feed = modal.rotary_feed = 0.0;
+  }
+  modal.plane = Plane::xy;
+  modal.distance = DistanceMode::absolute;
+  modal.overrides_enabled = true;
+  modal.motion = 10;  // G1
+  x.emit(ProgramEnd{});
+  x.end_program();
+  return {};
+}
+
+}  // namespace cnc::interp

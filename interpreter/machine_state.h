@@ -1,0 +1,47 @@
+// The interpreter's whole state: modes, position and offsets. A plain value, so that a line that is
+// refused half-way is undone by putting back the copy of before.
+#pragma once
+
+#include "config/axis.h"
+#include "config/parameter_store.h"
+#include "config/tool_table.h"
+#include "interpreter/modal_state.h"
+
+namespace cnc::interp {
+
+/// machine = work + work offset + G92 offset + tool length (manual 3.1.3, 3.4.5, 3.4.12, 3.4.23).
+class WorkCoordinates {
+ public:
+  [[nodiscard]] const Position& work_offset() const { return work_offset_; }
+  [[nodiscard]] const Position& g92_offset() const { return g92_offset_; }
+  [[nodiscard]] const Position& tool_length() const { return tool_length_; }
+  [[nodiscard]] const Position& total() const { return total_; }
+
+  void set_work_offset(const Position& offset);
+  void set_g92_offset(const Position& offset);
+  /// Along X (turning) and Z.
+  void set_tool_length(double x, double z);
+
+ private:
+  void sum_up() { total_ = work_offset_ + g92_offset_ + tool_length_; }
+
+  Position work_offset_;
+  Position g92_offset_;
+  Position tool_length_;
+  Position total_;
+};
+
+struct MachineState {
+  ModalState modal;
+  WorkCoordinates coordinates;
+  Position position;  ///< machine coordinates that the program has reached
+
+  [[nodiscard]] Position work_position() const { return position - coordinates.total(); }
+  /// Program units of an axis to mm or degrees: inches exist for X Y Z only.
+  [[nodiscard]] double scale(Axis axis) const {
+    return is_rotary(axis) ? 1.0 : millimetres_per(modal.unit);
+  }
+  [[nodiscard]] double scale() const { return millimetres_per(modal.unit); }
+};
+
+}  // namespace cnc::interp

@@ -1,0 +1,49 @@
+// What stays in force from line to line: modes, feed, speed, tool, offsets in force.
+#pragma once
+
+#include <cstdint>
+#include <string>
+
+#include "config/plane.h"
+#include "interpreter/canonical.h"
+
+namespace cnc::interp {
+
+enum class DistanceMode : std::uint8_t { absolute, incremental };  ///< G90 G91; G90.1 G91.1
+/// Where the tool length comes from: G49; G43, follows M6; G43 H, stays.
+enum class LengthSource : std::uint8_t { none, spindle_tool, table };
+
+inline constexpr double kMillimetresPerInch = 25.4;
+[[nodiscard]] constexpr double millimetres_per(LengthUnit unit) {
+  return unit == LengthUnit::inch ? kMillimetresPerInch : 1.0;
+}
+
+struct ModalState {
+  std::int32_t motion = 800;  ///< ten times the G number of group 1; G80 = none
+  Plane plane = Plane::xy;
+  LengthUnit unit = LengthUnit::millimetre;
+  DistanceMode distance = DistanceMode::absolute;
+  DistanceMode arc_distance = DistanceMode::incremental;
+  FeedMode feed_mode = FeedMode::per_minute;
+  double feed = 0.0;         ///< as last said by SetFeedRate; 0 = not programmed in this mode
+  double linear_feed = 0.0;  ///< F of G94 for moves with X Y Z, mm/s
+  double rotary_feed = 0.0;  ///< F of G94 for moves of rotary axes only, deg/s: never inches
+  SetPathMode path;
+  LengthSource length_source = LengthSource::none;
+  std::int32_t length_tool = 0;  ///< H of G43 H
+  std::int32_t work_system = 1;  ///< 1 … 9
+  bool g92_active = false;
+  SpindleDirection spindle = SpindleDirection::off;
+  double speed = 0.0;  ///< rpm
+  bool mist = false;
+  bool flood = false;
+  std::int32_t tool = 0;           ///< in the spindle
+  std::int32_t selected_tool = 0;  ///< by T, for the next M6
+  bool overrides_enabled = true;
+
+  /// "G1 G17 G21 G40 G49 G54 G61 G90 G94 M5 M9 M48 T1 F300 S12000": for displays, F in program
+  /// units per minute.
+  [[nodiscard]] std::string active_codes() const;
+};
+
+}  // namespace cnc::interp

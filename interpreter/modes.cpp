@@ -1,0 +1,85 @@
+// G17-G21, G40, G61-G64, G90-G94, G53: what only changes how later words are read.
+#include <fmt/format.h>
+
+#include "interpreter/execution.h"
+#include "interpreter/handlers.h"
+
+namespace cnc::interp {
+namespace {
+
+/// A length of the line that must not be negative, in mm.
+Parsed<std::optional<double>> tolerance_word(const Execution& x, char letter, double scale) {
+  const auto value = x.block().find(letter);
+  if (!value) return std::nullopt;
+  if (*value >= 0.0) return *value * scale;
+  return refuse(ErrorCode::word_out_of_range, x.block().span_of(letter),
+                fmt::format("{} of {} cannot be negative.", letter, x.code_name()), "0 or more.");
+}
+
+}  // namespace
+
+Accepted select_plane(Execution& x) {
+  const Plane plane = x.code() == 170 ? Plane::xy : x.code() == 180 ? Plane::xz : Plane::yz;
+  x.state().modal.plane = plane;
+  x.emit(SelectPlane{plane});
+  return {};
+}
+
+Accepted use_length_unit(Execution& x) {
+  const bool inch = x.code() == 200 || x.code() == 700;
+  const LengthUnit unit = inch ? LengthUnit::inch : LengthUnit::millimetre;
+  x.state().modal.unit = unit;
+  x.emit(UseLengthUnit{unit});
+  return {};
+}
+
+// Nothing to switch off: G41 and G42 are refused as unknown.
+Accepted cancel_cutter_compensation(Execution&) { return {}; }
+
+Accepted set_path_control(Execution& x) {
+  SetPathMode path;
+  path.mode = x.code() == 640   ? PathMode::continuous
+              : x.code() == 611 ? PathMode::exact_stop
+                                : PathMode::exact_path;
+  const double scale = x.state().scale();
+  const auto tolerance = tolerance_word(x, 'P', scale);
+  if (!tolerance) return std::unexpected(tolerance.error());
+  const auto simplification = tolerance_word(x, 'Q', scale);
+  if (!simplification) return std::unexpected(simplification.error());
+  const auto angle = tolerance_word(x, 'R', 1.0);
+  if (!angle) return std::unexpected(angle.error());
+  path.tolerance = *tolerance;
+  path.simplification = *simplification;
+  path.laf_angle = *angle;
+  x.state().modal.path = path;
+  x.emit(path);
+  return {};
+}
+
+Accepted set_distance_mode(Execution& x) {
+  x.state().modal.distance = x.code() == 900 ? DistanceMode::absolute : DistanceMode::incremental;
+  return {};
+}
+
+Accepted set_arc_distance_mode(Execution& x) {
+  x.state().modal.arc_distance =
+      x.code() == 901 ? DistanceMode::absolute : DistanceMode::incremental;
+  return {};
+}
+
+// The number behind F means something else in the other mode, so it does not survive the change.
+Accepted set_feed_mode(Execution& x) {
+  ModalState& modal = x.state().modal;
+  const FeedMode mode = x.code() == 930 ? FeedMode::inverse_time : FeedMode::per_minute;
+  if (mode == modal.feed_mode) return {};
+  modal.feed_mode = mode;
+  modal.feed = 0.0;
+  modal.linear_feed = 0.0;
+  modal.rotary_feed = 0.0;
+  return {};
+}
+
+// Read by the motion of the same line.
+Accepted use_machine_coordinates(Execution&) { return {}; }
+
+}  // namespace cnc::interp

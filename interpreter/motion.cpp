@@ -1,0 +1,229 @@
+// G0 G1 G2 G3 G80, G4, G28 G30: everything that moves the machine or lets it stand still.
+#include <array>
+#include <cmath>
+#include <fmt/format.h>
+
+#include "interpreter/arc_geometry.h"
+#include "interpreter/execution.h"
+#include "interpreter/handlers.h"
+
+namespace cnc::interp {
+namespace {
+
+constexpr std::int32_t kClockwiseArc = 20;  // G2
+constexpr std::int32_t kCancelMotion = 800;
+
+/// Where the axis words of the line lead, machine coordinates.
+[[nodiscard]] Position target(const Execution& x) {
+  const Block& block = x.block();
+  const MachineState& state = x.state();
+  const bool machine = block.has(Step::machine_coordinates);
+  const bool incremental = state.modal.distance == DistanceMode::incremental;
+  const Position& offset = state.coordinates.total();
+
+  Position end = state.position;
+  for (const Axis axis : kAllAxes) {
+    if (!block.has(axis)) continue;
+    const double value = block.value(axis) * state.scale(axis);
+    if (machine) {
+      end[axis] = value;  // also under G91: G53 names a place
+    } else if (incremental) {
+      end[axis] += value;
+    } else {
+      end[axis] = value + offset[axis];
+    }
+  }
+  return end;
+}
+
+[[nodiscard]] bool turns_rotary_axes_only(const Position& from, const Position& to) {
+  for (const Axis axis : kLinearAxes) {
+    if (from[axis] != to[axis]) return false;
+  }
+  for (const Axis axis : kRotaryAxes) {
+    if (from[axis] != to[axis]) return true;
+  }
+  return false;
+}
+
+/// A move at feed rate needs one: on its own line in inverse time, before or on it otherwise.
+Accepted check_feed(const Execution& x) {
+  const ModalState& modal = x.state().modal;
+  if (modal.feed_mode == FeedMode::inverse_time && !x.block().has('F')) {
+    return refuse(
+        ErrorCode::inverse_time_feed_missing, x.code_span(),
+        fmt::format("{} needs F on its own line: G93 (inverse time) is active.", x.code_name()),
+        "F on every line with G1 G2 G3.");
+  }
+  if (modal.feed > 0.0) return {};
+  return refuse(ErrorCode::feed_not_set, x.code_span(),
+                fmt::format("{} without a feed rate.", x.code_name()),
+                "F above 0, on this line or before it.");
+}
+
+/// In inch programs F means inches for linear and degrees for rotary moves: the commands carry
+/// either, so the feed is said again where the kind of move changes.
+void use_feed_for(Execution& x, const Position& end) {
+  ModalState& modal = x.state().modal;
+  if (modal.feed_mode != FeedMode::per_minute || modal.linear_feed == modal.rotary_feed) return;
+  const bool rotary = turns_rotary_axes_only(x.state().position, end);
+  const double wanted = rotary ? modal.rotary_feed : modal.linear_feed;
+  if (modal.feed == wanted) return;
+  modal.feed = wanted;
+  x.emit(SetFeedRate{modal.feed_mode, wanted});
+}
+
+/// I J K of the arc's plane; the third is an error.
+struct CentreWords {
+  char first;
+  char second;
+  char third;
+};
+[[nodiscard]] CentreWords centre_words(Plane plane) {
+  constexpr auto kWords =
+      std::to_array<CentreWords>({{'I', 'J', 'K'}, {'K', 'I', 'J'}, {'J', 'K', 'I'}});
+  return kWords.at(static_cast<std::size_t>(plane));
+}
+
+Accepted check_arc_words(const Execution& x, const CentreWords& centre, const PlaneAxes& axes) {
+  const Block& block = x.block();
+  if (block.has(centre.third)) {
+    return refuse(ErrorCode::arc_centre_off_plane, block.span_of(centre.third),
+                  fmt::format("{} does not belong to an arc in this plane.", centre.third),
+                  fmt::format("{} and {}.", centre.first, centre.second));
+  }
+  const bool has_centre = block.has(centre.first) || block.has(centre.second);
+  if (has_centre && block.has('R')) {
+    return refuse(ErrorCode::arc_format_mixed, block.span_of('R'),
+                  "This arc has both a radius and a centre.", "R, or I J K.");
+  }
+  if (block.has('R') && !block.has(axes.first) && !block.has(axes.second)) {
+    return refuse(ErrorCode::axis_words_missing, x.code_span(),
+                  fmt::format("{} with R needs an end point in its plane.", x.code_name()),
+                  fmt::format("{} or {}.", axis_name(axes.first), axis_name(axes.second)));
+  }
+  if (has_centre || block.has('R')) return {};
+  return refuse(ErrorCode::arc_centre_missing, x.code_span(),
+                fmt::format("{} has neither a centre nor a radius.", x.code_name()),
+                fmt::format("{} or {}, or R.", centre.first, centre.second));
+}
+
+Parsed<PlanePoint> centre_from_words(const Execution& x, const CentreWords& words,
+                                     const PlaneAxes& axes, PlanePoint start) {
+  const Block& block = x.block();
+  const MachineState& state = x.state();
+  if (state.modal.arc_distance == DistanceMode::incremental) {
+    return PlanePoint{start.first + block.find(words.first).value_or(0.0) * state.scale(),
+                      start.second + block.find(words.second).value_or(0.0) * state.scale()};
+  }
+  for (const char letter : {words.first, words.second}) {
+    if (block.has(letter)) continue;
+    return refuse(
+        ErrorCode::word_missing, x.code_span(),
+        fmt::format("{} needs the word {}: centres are absolute (G90.1).", x.code_name(), letter));
+  }
+  const Position& offset = state.coordinates.total();
+  return PlanePoint{block.value(words.first) * state.scale() + offset[axes.first],
+                    block.value(words.second) * state.scale() + offset[axes.second]};
+}
+
+Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const CentreWords& words,
+                              PlanePoint start, PlanePoint end) {
+  const MachineState& state = x.state();
+  const LengthUnit unit = state.modal.unit;
+  if (x.block().has('R')) {
+    return centre_of_radius(start, end, x.block().value('R') * state.scale(),
+                            x.code() == kClockwiseArc, unit, x.block().span_of('R'));
+  }
+  const auto centre = centre_from_words(x, words, axes, start);
+  if (!centre) return centre;
+  if (Accepted round = check_centre(start, end, *centre, unit, x.code_span()); !round) {
+    return std::unexpected(round.error());
+  }
+  return centre;
+}
+
+[[nodiscard]] PlanePoint in_plane(const Position& position, const PlaneAxes& axes) {
+  return {position[axes.first], position[axes.second]};
+}
+
+[[nodiscard]] bool has_axis_words(const Block& block) { return (block.words() & kAxisWords) != 0; }
+
+}  // namespace
+
+Accepted rapid_move(Execution& x) {
+  x.state().modal.motion = x.code();
+  if (!has_axis_words(x.block())) return {};
+  const Position end = target(x);
+  x.emit(RapidMove{end});
+  x.state().position = end;
+  return {};
+}
+
+Accepted feed_move(Execution& x) {
+  x.state().modal.motion = x.code();
+  if (!has_axis_words(x.block())) return {};  // "G1 F300"
+  if (Accepted feed = check_feed(x); !feed) return feed;
+  const Position end = target(x);
+  use_feed_for(x, end);
+  x.emit(FeedMove{end});
+  x.state().position = end;
+  return {};
+}
+
+Accepted arc_move(Execution& x) {
+  MachineState& state = x.state();
+  const Plane plane = state.modal.plane;
+  const PlaneAxes axes = axes_of(plane);
+  const CentreWords words = centre_words(plane);
+  if (Accepted given = check_arc_words(x, words, axes); !given) return given;
+  if (Accepted feed = check_feed(x); !feed) return feed;
+
+  const Position end = target(x);
+  const auto centre =
+      arc_centre(x, axes, words, in_plane(state.position, axes), in_plane(end, axes));
+  if (!centre) return std::unexpected(centre.error());
+  use_feed_for(x, end);
+  x.emit(ArcMove{end, centre->first, centre->second, x.code() == kClockwiseArc ? -1 : 1, plane});
+  state.position = end;
+  state.modal.motion = x.code();
+  return {};
+}
+
+Accepted cancel_motion(Execution& x) {
+  x.state().modal.motion = kCancelMotion;
+  return {};
+}
+
+Accepted dwell(Execution& x) {
+  const double seconds = x.block().value('P');
+  if (seconds < 0.0) {
+    return refuse(ErrorCode::word_out_of_range, x.block().span_of('P'),
+                  "A dwell cannot be negative.", "P of 0 or more seconds.");
+  }
+  x.emit(Dwell{seconds});
+  return {};
+}
+
+// G28 G30: by way of the programmed point to the stored position. The manual sends "the machine"
+// home; as on Fanuc-like controls and LinuxCNC only the named axes go, all of them if none is
+// named: CAM systems write "G91 G28 Z0" to lift the tool, and X Y must not move then.
+Accepted go_home(Execution& x) {
+  constexpr std::int32_t kG28 = 280;
+  const config::ParameterStore& stored = x.parameters();
+  const Position home = x.code() == kG28 ? stored.g28_position() : stored.g30_position();
+  const bool some_named = has_axis_words(x.block());
+  if (some_named) {
+    x.state().position = target(x);
+    x.emit(RapidMove{x.state().position});
+  }
+  Position end = x.state().position;
+  for (const Axis axis : kAllAxes) {
+    if (!some_named || x.block().has(axis)) end[axis] = home[axis];
+  }
+  x.emit(RapidMove{end});
+  x.state().position = end;
+  return {};
+}
+
+}  // namespace cnc::interp

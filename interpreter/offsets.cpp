@@ -1,0 +1,127 @@
+// G10, G43 G49, G54-G59.3, G92 family: where work coordinates lie in the machine.
+#include <fmt/format.h>
+
+#include "interpreter/execution.h"
+#include "interpreter/handlers.h"
+
+namespace cnc::interp {
+namespace {
+
+using config::parameter::kActiveSystem;
+using config::parameter::kG92Offset;
+using config::parameter::kWorkOffset;
+using config::parameter::kWorkSystemStride;
+
+/// The word `letter` as a whole number from `lowest` to `highest`.
+Parsed<std::int32_t> whole_word(const Execution& x, char letter, std::int32_t lowest,
+                                std::int32_t highest) {
+  const double value = x.block().value(letter);
+  const auto number = whole_number(value);
+  if (number && *number >= lowest && *number <= highest) return *number;
+  return refuse(ErrorCode::word_out_of_range, x.block().span_of(letter),
+                fmt::format("{} cannot be {}{:.10g}.", x.code_name(), letter, value),
+                fmt::format("{} from {} to {}.", letter, lowest, highest));
+}
+
+/// `offset` with those axes changed that the line names: to the word itself (L2), or so that the
+/// present point gets the coordinate of the word (L20, G92), given what else is `beside` it.
+Position with_words(const Execution& x, Position offset, bool from_position,
+                    const Position& beside) {
+  const MachineState& state = x.state();
+  for (const Axis axis : kAllAxes) {
+    if (!x.block().has(axis)) continue;
+    const double value = x.block().value(axis) * state.scale(axis);
+    offset[axis] = from_position ? state.position[axis] - beside[axis] - value : value;
+  }
+  return offset;
+}
+
+void use_g92(Execution& x, const Position& offset, bool active) {
+  x.state().modal.g92_active = active;
+  x.state().coordinates.set_g92_offset(offset);
+  x.emit(SetG92Offset{offset});
+}
+
+}  // namespace
+
+Accepted set_coordinate_system(Execution& x) {
+  constexpr std::int32_t kSetValues = 2;
+  constexpr std::int32_t kSetFromPosition = 20;
+  const auto kind = whole_word(x, 'L', 0, kSetFromPosition);
+  if (!kind || (*kind != kSetValues && *kind != kSetFromPosition)) {
+    return refuse(ErrorCode::word_out_of_range, x.block().span_of('L'),
+                  fmt::format("G10 cannot be L{:.10g}.", x.block().value('L')), "L2 or L20.");
+  }
+  const auto system = whole_word(x, 'P', 1, config::kWorkSystemCount);
+  if (!system) return std::unexpected(system.error());
+
+  WorkCoordinates& coordinates = x.state().coordinates;
+  const Position beside = coordinates.g92_offset() + coordinates.tool_length();
+  const Position offset =
+      with_words(x, x.parameters().work_offset(*system), *kind == kSetFromPosition, beside);
+  x.set_six(kWorkOffset + (*system - 1) * kWorkSystemStride, offset);
+  const bool is_active = *system == x.state().modal.work_system;
+  if (is_active) coordinates.set_work_offset(offset);
+  x.emit(SetWorkOffset{*system, is_active, offset});
+  return {};
+}
+
+// H0 is accepted beside the manual's 1 to 99: it means no length, as on other controls.
+Accepted use_tool_length(Execution& x) {
+  ModalState& modal = x.state().modal;
+  modal.length_source = LengthSource::spindle_tool;
+  if (x.block().has('H')) {
+    const auto tool = whole_word(x, 'H', 0, config::kMaxTool);
+    if (!tool) return std::unexpected(tool.error());
+    modal.length_source = LengthSource::table;
+    modal.length_tool = *tool;
+  }
+  x.reload_tool_length();
+  return {};
+}
+
+Accepted cancel_tool_length(Execution& x) {
+  x.state().modal.length_source = LengthSource::none;
+  x.reload_tool_length();
+  return {};
+}
+
+Accepted select_work_system(Execution& x) {
+  constexpr std::int32_t kG54 = 540;
+  constexpr std::int32_t kG59 = 590;
+  const std::int32_t code = x.code();
+  const std::int32_t system = code <= kG59 ? (code - kG54) / 10 + 1 : code - kG59 + 6;
+  const Position offset = x.parameters().work_offset(system);
+  x.state().modal.work_system = system;
+  x.state().coordinates.set_work_offset(offset);
+  x.set_parameter(kActiveSystem, system);
+  x.emit(SetWorkOffset{system, true, offset});
+  return {};
+}
+
+Accepted set_g92_offset(Execution& x) {
+  const WorkCoordinates& coordinates = x.state().coordinates;
+  const Position beside = coordinates.work_offset() + coordinates.tool_length();
+  const Position offset = with_words(x, coordinates.g92_offset(), true, beside);
+  x.set_six(kG92Offset, offset);
+  use_g92(x, offset, true);
+  return {};
+}
+
+Accepted clear_g92_offset(Execution& x) {
+  x.set_six(kG92Offset, {});
+  use_g92(x, {}, false);
+  return {};
+}
+
+Accepted suspend_g92_offset(Execution& x) {
+  use_g92(x, {}, false);
+  return {};
+}
+
+Accepted restore_g92_offset(Execution& x) {
+  use_g92(x, x.parameters().g92_offset(), true);
+  return {};
+}
+
+}  // namespace cnc::interp

@@ -1,0 +1,64 @@
+#include "tests/interpreter/support.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <fstream>
+#include <sstream>
+
+namespace cnc::interp::test {
+
+Outcome Bench::run(std::string_view text, std::size_t max_commands) {
+  Outcome outcome;
+  const auto program = Program::from_text(std::string(text), "test.ngc");
+  if (!program) {
+    outcome.failed = true;
+    outcome.diagnostic.code = program.error().code;
+    outcome.diagnostic.sentence = program.error().message;
+    return outcome;
+  }
+  Interpreter interpreter(settings, parameters, tools);
+  interpreter.start(*program, start);
+  while (outcome.lines.size() < max_commands) {
+    const Progress progress = interpreter.next();
+    if (progress == Progress::command) outcome.lines.push_back(text_of(interpreter.command()));
+    if (progress == Progress::failed) {
+      outcome.failed = true;
+      outcome.diagnostic = interpreter.diagnostic();
+    }
+    if (progress == Progress::failed || progress == Progress::ended) break;
+  }
+  outcome.modal = interpreter.modal();
+  outcome.position = interpreter.position();
+  outcome.total_offset = interpreter.total_offset();
+  return outcome;
+}
+
+Outcome run(std::string_view text) { return Bench{}.run(text); }
+
+std::string commands_of(std::string_view text) {
+  Outcome outcome = run(text);
+  if (outcome.failed) return outcome.diagnostic.to_string();
+  if (!outcome.lines.empty() && outcome.lines.back() == "PROGRAM_END()") outcome.lines.pop_back();
+  return fmt::format("{}", fmt::join(outcome.lines, "; "));
+}
+
+std::string refusal_of(std::string_view text) {
+  const Outcome outcome = run(text);
+  if (!outcome.failed) return {};
+  return fmt::format("{}@{}", error_info(outcome.diagnostic.code).name, outcome.diagnostic.column);
+}
+
+Position end_of(std::string_view text) {
+  const Outcome outcome = run(text);
+  if (outcome.failed) throw std::runtime_error(outcome.diagnostic.to_string());
+  return outcome.position;
+}
+
+std::string read_file(const std::string& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::ostringstream text;
+  text << file.rdbuf();
+  return text.str();
+}
+
+}  // namespace cnc::interp::test

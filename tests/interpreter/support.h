@@ -1,0 +1,48 @@
+// Running a program text to its end, as the tests of this folder do it.
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "interpreter/check.h"
+#include "interpreter/interpreter.h"
+
+namespace cnc::interp::test {
+
+/// What a program did: its commands as text, and the diagnostic if it failed.
+struct Outcome {
+  std::vector<std::string> lines;
+  bool failed = false;
+  Diagnostic diagnostic;
+  ModalState modal;
+  Position position;
+  Position total_offset;
+};
+
+/// The machine that a program runs on; defaults to a metric one that stands at 0.
+struct Bench {
+  InterpreterSettings settings;
+  config::ParameterStore parameters;
+  config::ToolTable tools;
+  Position start;
+
+  /// Runs `text` in a new interpreter until it ends, fails, or has given `max_commands`.
+  Outcome run(std::string_view text, std::size_t max_commands = 100'000);
+};
+
+Outcome run(std::string_view text);
+
+/// The commands of `text` without the trailing PROGRAM_END() and without mode lines before the first
+/// of interest; joined by "; ".
+std::string commands_of(std::string_view text);
+/// "name@column" of the refusal, or "" when the program runs.
+std::string refusal_of(std::string_view text);
+
+/// The end point of the last move of `text`.
+Position end_of(std::string_view text);
+
+/// Contents of a file; empty if there is none.
+std::string read_file(const std::string& path);
+
+}  // namespace cnc::interp::test
