@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <limits>
 #include <optional>
 
 #include "config/atomic_file.h"
@@ -48,6 +49,11 @@ Error unknown_key(std::string_view section, std::string_view key, Place place) {
           fmt::format("[{}] has no key {}; the nearest is \"{}\".", section, in_quotes(key),
                       nearest_name(key, key_names(section))),
           std::move(place)};
+}
+
+// For sorting: what is not in the file comes last.
+std::uint32_t line_of(const Error& error) {
+  return error.place ? error.place->line : std::numeric_limits<std::uint32_t>::max();
 }
 
 /// A value that a text gives to a setting.
@@ -101,8 +107,9 @@ class Loader {
     }
     if (errors_.empty()) check_required(config);
     if (errors_.empty()) check_conflicts(config);
-    if (!errors_.empty()) return std::unexpected(std::move(errors_));
-    return config;
+    if (errors_.empty()) return config;
+    std::ranges::stable_sort(errors_, {}, line_of);
+    return std::unexpected(std::move(errors_));
   }
 
  private:
@@ -137,19 +144,21 @@ class Loader {
       report({ErrorCode::config_missing_key,
               fmt::format("{} is missing, but axis {} is connected; allowed is {}.", setting.name(),
                           axis_name(setting.axis), allowed_text(setting, config.unit)),
-              place_in_file()});
+              place_of(*find_setting(setting.section, "port"))});
     }
   }
 
   void check_conflicts(const MachineConfig& config) {
     for (ConfigConflict& conflict : find_conflicts(config)) {
-      const auto& given = assignment(*conflict.setting);
-      conflict.error.place = given ? given->place : place_in_file();
+      conflict.error.place = place_of(*conflict.setting);
       report(std::move(conflict.error));
     }
   }
 
-  [[nodiscard]] Place place_in_file() const {
+  // A setting that no text gives has its default; the file is then all that can be named.
+  Place place_of(const Setting& setting) {
+    const auto& given = assignment(setting);
+    if (given) return given->place;
     return file_.empty() ? Place{} : TextPlace{std::string(file_), 0, 0};
   }
 

@@ -114,14 +114,17 @@ std::string length_text(double value, SettingUnit unit, MachineUnit machine_unit
   std::string text;
   for (int digits = 12; digits <= 17; ++digits) {
     text = fmt::format("{:.{}g}", shown, digits);
-    if (to_base(*parse_number(text), unit, machine_unit) == value) break;
+    const auto read = parse_number(text);
+    if (read && to_base(*read, unit, machine_unit) == value) break;
   }
   return text;
 }
 
+// A value that is no choice is written as it is, for the reader to refuse: a save must not pick
+// one.
 std::string choice_text(const Setting& setting, double value) {
   const auto choice = std::ranges::find(setting.choices, value, &Choice::value);
-  return std::string(choice == setting.choices.end() ? setting.choices.front().text : choice->text);
+  return choice == setting.choices.end() ? number_text(value) : std::string(choice->text);
 }
 
 }  // namespace

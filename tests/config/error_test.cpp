@@ -14,7 +14,7 @@ TEST_CASE("The error table is ascending, and every row says something") {
     CHECK(row.code > last);
     CHECK(names.insert(row.name).second);
     CHECK(row.sentence.ends_with('.'));
-    CHECK(row.check.ends_with('.'));
+    CHECK_FALSE(row.check.empty());
     last = row.code;
   }
 }

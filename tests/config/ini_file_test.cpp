@@ -125,7 +125,7 @@ TEST_CASE("A value out of its range is refused with the range", "[CFG-1]") {
                 {"\"-1\""});
 }
 
-TEST_CASE("Every error of a file is reported at once, in the order of the checks", "[CFG-1]") {
+TEST_CASE("Every error of a file is reported at once, in the order of the lines", "[CFG-1]") {
   const Errors errors = refusals(
       "[AXIS_X]\n"
       "velocty = 1\n"
@@ -136,7 +136,7 @@ TEST_CASE("Every error of a file is reported at once, in the order of the checks
       "autoToolChange = maybe\n");
   std::vector<std::uint32_t> lines;
   for (const Error& error : errors) lines.push_back(error.place.value().line);
-  CHECK(lines == std::vector<std::uint32_t>{5, 4, 2, 3, 7});
+  CHECK(lines == std::vector<std::uint32_t>{2, 3, 4, 5, 7});
 }
 
 TEST_CASE("The number of reported errors is bounded", "[CFG-1]") {
@@ -156,6 +156,7 @@ TEST_CASE("A connected axis must say what it is", "[CFG-2]") {
                                       "acceleration"};
   for (std::size_t i = 0; i < keys.size(); ++i) {
     CHECK(errors[i].code == ErrorCode::config_missing_key);
+    CHECK(errors[i].place.value().line == 2);  // where the axis is connected
     CHECK_THAT(errors[i].message, Contains("[AXIS_Y] " + keys[i]));
   }
 }

@@ -1,4 +1,5 @@
 #include <catch2/catch.hpp>
+#include <limits>
 #include <random>
 
 #include "config/atomic_file.h"
@@ -180,6 +181,21 @@ TEST_CASE("A configuration that could not be loaded again is not saved", "[CFG-1
   REQUIRE_FALSE(refused);
   CHECK(refused.error()[0].code == ErrorCode::config_value_out_of_range);
   CHECK(content_of(path) == kOldFile);
+}
+
+TEST_CASE("A value that a file cannot hold is refused, not replaced by another", "[CFG-1][CFG-4]") {
+  const test::TemporaryDirectory directory;
+  MachineConfig odd_choice;
+  odd_choice.connection.max_step_frequency = 90'000;
+  MachineConfig not_a_number;
+  not_a_number.unit = MachineUnit::inch;
+  not_a_number.axes[Axis::X].backlash = std::numeric_limits<double>::quiet_NaN();
+  for (const MachineConfig& config : {odd_choice, not_a_number}) {
+    const auto refused = save_machine_config(directory.file("cnc.ini"), config);
+    REQUIRE_FALSE(refused);
+    CHECK(refused.error()[0].code == ErrorCode::config_bad_value);
+  }
+  CHECK_FALSE(std::filesystem::exists(directory.file("cnc.ini")));
 }
 
 TEST_CASE("A file that someone spoiled meanwhile is not saved over", "[CFG-1]") {
