@@ -1,0 +1,12 @@
+// `run --wait` and `run --progress`: start the job, follow it, tell how it ended.
+#pragma once
+
+#include "api/cncctl/context.h"
+
+namespace cnc::ctl {
+
+/// ok if the job reached its end; an Error with the machine's last error message if not. Losing the
+/// server is an error too: the job goes on if the server does. Ctrl-C answers `interrupted`.
+[[nodiscard]] api::Result<ExitCode> run_and_wait(const Context& context, bool show_progress);
+
+}  // namespace cnc::ctl
