@@ -74,7 +74,7 @@ Segment next_segment(Bytes& bytes, Segment& tail) {
       segment.velocity[axis] = bytes.next<std::int16_t>() * (kLimit / 32768);
     }
   }
-  tail = segment;
+  if (!wild) tail = segment;
   return segment;
 }
 

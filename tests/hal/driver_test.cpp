@@ -186,6 +186,18 @@ TEST_CASE("Clear, outputs and motion may be asked for in one exchange", "[hal][S
   CHECK(controller->machine().physical_position(Axis::X) == Approx(0.0).margin(1e-9));
 }
 
+TEST_CASE("Outputs asked for before a clear stay off", "[hal][STA-2]") {
+  const auto controller = controller_at_zero();
+  Hand hand(*controller);
+  controller->machine().press_estop(true);
+  hand.wait(0.001);
+  controller->machine().press_estop(false);
+  controller->set_outputs({.drives_enabled = true, .spindle_on = true});
+  controller->clear_faults();
+  CHECK(hand.status().faults == 0);
+  CHECK(controller->machine().outputs() == cpu5::firmware::Outputs{});
+}
+
 TEST_CASE("quick_stop also drops what has not been sent yet", "[hal]") {
   const auto controller = controller_at_zero();
   Hand hand(*controller);

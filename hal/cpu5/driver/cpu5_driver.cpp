@@ -71,6 +71,8 @@ Result<Capabilities> Cpu5Driver::connect() {
   if (auto checked = check_axes(); !checked) return std::unexpected(checked.error());
   const auto opened = port_->open(setup_for(settings_));
   if (!opened) return std::unexpected(opened.error());
+  frame_.reset();
+  clock_.reset();
   board_ = *opened;
   read_status();
   status_.connected = true;
@@ -101,8 +103,6 @@ Result<void> Cpu5Driver::check_axes() const {
 
 void Cpu5Driver::disconnect() {
   port_->close();
-  frame_.reset();
-  clock_.reset();
   status_.connected = false;
 }
 
@@ -151,8 +151,11 @@ void Cpu5Driver::quick_stop() {
   frame_.quick_stop = true;
 }
 
+// Outputs asked for before the reset do not survive it: a spindle must not start because a fault
+// was cleared.
 void Cpu5Driver::clear_faults() {
   drop_segments();
+  frame_.has_outputs = false;
   frame_.clear_faults = true;
 }
 

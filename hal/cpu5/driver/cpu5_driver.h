@@ -2,7 +2,7 @@
 //
 // Requests are collected in one frame and leave with the next exchange(), in the order stop, clear,
 // latches, outputs, segments. After a fault the board keeps its outputs safe: only set_outputs()
-// called together with or after clear_faults() switches anything on again.
+// called after clear_faults(), in the same exchange or later, switches anything on again.
 #pragma once
 
 #include <memory>
