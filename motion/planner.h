@@ -6,6 +6,9 @@
 // full(), then draws setpoints; whatever is queued is always planned to a standstill at its end, so
 // running dry is a stop, never a fault.
 //
+// Inside: moves wait in line, become curves of a Track (track.h) as far ahead as planning needs
+// them, and a Sampler (sampler.h) walks along it.
+//
 // Units: mm, s, degrees for rotary axes. Not thread-safe. next() does not allocate.
 #pragma once
 
@@ -16,14 +19,10 @@
 #include "config/axis.h"
 #include "config/error.h"
 #include "motion/curve.h"
+#include "motion/limits.h"
+#include "motion/setpoint.h"
 
 namespace cnc::motion {
-
-/// What the machine can do, per axis.
-struct AxisLimits {
-  Position max_velocity;      ///< mm/s, deg/s; > 0 for every axis that may move
-  Position max_acceleration;  ///< mm/s², deg/s²; > 0 for every axis that may move
-};
 
 struct PlannerSettings {
   AxisLimits limits;
@@ -31,31 +30,19 @@ struct PlannerSettings {
   double laf_angle = 1.0;                ///< junctions below this angle are not stopped at, degrees
 };
 
-enum class MoveKind : std::uint8_t { rapid, feed };
-
-/// Goes with a move through the planner and comes back with each of its setpoints.
-struct MoveTag {
-  std::uint64_t id = 0;    ///< ascending; chosen by the caller
-  std::uint32_t line = 0;  ///< source line of the job, 0 if none
-};
-
 struct MoveOptions {
   MoveKind kind = MoveKind::feed;
-  double feed = 0.0;  ///< programmed feed along the path, mm/s (deg/s for rotary-only); unused for rapids
-  bool stop_at_end = false;  ///< exact stop (G61.1) after this move
+  double feed =
+      0.0;  ///< programmed feed along the path, mm/s (deg/s for rotary-only); unused for rapids
+  bool stop_at_end = false;         ///< exact stop (G61.1) after this move
   std::optional<double> laf_angle;  ///< overrides the setting, degrees
   MoveTag tag;
 };
 
-/// One piece of motion. Position is a cubic in time: together with the end of the setpoint before
-/// it, end position and end velocity define it completely (Hermite), and velocity is continuous.
-struct Setpoint {
-  double duration = 0.0;  ///< s, > 0
-  Position position;      ///< at the end of the setpoint
-  Position velocity;      ///< at the end of the setpoint
-  double feed_limit = 0.0;  ///< programmed feed, mm/s; 0 for a rapid
-  MoveTag tag;
-};
+/// Positions beyond this (mm or degrees), faster feeds (per second) and more turns are refused.
+inline constexpr double kLargestCoordinate = 1e7;
+inline constexpr double kLargestFeed = 1e6;
+inline constexpr std::int32_t kMostTurns = 1'000'000;
 
 class Planner {
  public:
@@ -64,9 +51,10 @@ class Planner {
   Planner(Planner&&) noexcept;
   Planner& operator=(Planner&&) noexcept;
 
-  /// Appends a straight move / an arc from the end of what is queued. Moves of zero length are
-  /// accepted and vanish. Refused (and nothing queued) for NaN or infinite numbers, a feed that is
-  /// not positive, an axis without limits that would move, or a radius mismatch of the arc.
+  /// Appends a straight move / an arc from the end of what is queued. Moves of zero length (below a
+  /// nanometre) are accepted and vanish. Refused (and nothing queued) for NaN or infinite numbers,
+  /// a feed that is not positive, an axis without limits that would move, a radius mismatch of the
+  /// arc, or when a caller that does not ask full() has queued far too much.
   Result<void> add_line(const Position& end, const MoveOptions& options);
   Result<void> add_arc(const ArcShape& arc, const MoveOptions& options);
 
@@ -79,7 +67,8 @@ class Planner {
   [[nodiscard]] std::optional<Setpoint> next();
 
   /// Operator's overrides as factors; they act from the next setpoint on. Feed 0 … 3, 0 stops along
-  /// the path like hold(); rapid 0 … 1.
+  /// the path like hold(); rapid 0 … 1. Values outside are brought inside. A change costs one pass
+  /// over the planned steps, half a millisecond at most.
   void set_overrides(double feed, double rapid);
   /// Brakes along the path as hard as the limits allow; next() ends when standing still.
   void hold();
@@ -93,10 +82,13 @@ class Planner {
   /// Where the next move would start from, and where the last setpoint ended.
   [[nodiscard]] const Position& queue_end() const;
   [[nodiscard]] const Position& position() const;
-  /// Seconds of motion still queued, at the present overrides (for progress and prediction).
+  /// Seconds of motion still queued, at the present overrides (for progress and prediction). Exact
+  /// for what is planned, an upper bound for moves that still wait; infinite when an override of 0
+  /// bars the way. Walks over the whole queue: for a display's rate, not for every setpoint.
   [[nodiscard]] double queued_time() const;
 
-  /// Standing still only: the machine was moved by other means (homing, jog, hand).
+  /// Standing still only: the machine was moved by other means (homing, jog, hand). Refused while
+  /// anything is queued, and for numbers that are not finite.
   bool set_position(const Position& position);
 
  private:

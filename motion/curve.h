@@ -1,0 +1,137 @@
+// The exact curves of a path: straight line, arc (helix, spiral) and corner blend.
+//
+// Each maps a parameter s in [0, length] to a position of all six axes. s is the distance travelled
+// in X Y Z, in mm, so that ds/dt is the feed; a move that turns rotary axes only has its distance
+// in degrees. |q'(s)| over the axes that define s is 1 at both ends of every curve (and all along
+// lines and arcs): ds/dt is therefore continuous where curves of the same measure meet.
+#pragma once
+
+#include <cstdint>
+#include <variant>
+
+#include "config/axis.h"
+#include "config/error.h"
+#include "config/plane.h"
+
+namespace cnc::motion {
+
+/// Moves shorter than this (mm or degrees) are no motion, and an arc whose end lies this close to
+/// its start, seen in the plane, is a full turn. A nanometre is far below any step and far above
+/// the rounding of positions on a large machine.
+inline constexpr double kShortest = 1e-6;
+
+/// An arc as programmed, from wherever the path is. First and second axis of the plane as in
+/// axes_of(); `turns` counts as in NIST ARC_FEED: positive counter-clockwise, negative clockwise, 1
+/// for at most one full turn, 2 for one full turn more, …
+struct ArcShape {
+  Position end;
+  Plane plane = Plane::xy;
+  double first_centre = 0.0;
+  double second_centre = 0.0;
+  std::int32_t turns = 1;
+};
+
+/// What the length of a curve measures.
+enum class Measure : std::uint8_t { linear, rotary };
+
+class Line {
+ public:
+  Line() = default;
+  Line(const Position& start, const Position& end);
+
+  [[nodiscard]] double length() const { return length_; }
+  [[nodiscard]] Measure measure() const { return measure_; }
+  [[nodiscard]] Position point(double s) const;
+  [[nodiscard]] const Position& direction() const { return direction_; }
+  [[nodiscard]] const Position& end() const { return end_; }
+
+ private:
+  Position start_;
+  Position end_;
+  Position direction_;
+  double length_ = 0.0;
+  Measure measure_ = Measure::linear;
+};
+
+/// Arc or helix. When the distances of start and end from the centre differ a little (rounded
+/// programs), the radius changes along the way so that the end is met exactly: with the radius
+/// linear in s and the tangential speed constant this is a piece of a logarithmic spiral, the only
+/// spiral whose speed |q'| is constant.
+class Arc {
+ public:
+  Arc() = default;
+
+  [[nodiscard]] double length() const { return length_; }
+  [[nodiscard]] Position point(double s) const;
+  [[nodiscard]] Position tangent(double s) const;
+  [[nodiscard]] Position bend(double s) const;
+  [[nodiscard]] const Position& end() const { return end_; }
+
+  /// Signed angle from start to end, radians; radius at s; angle at s.
+  [[nodiscard]] double sweep() const { return sweep_; }
+  [[nodiscard]] double radius(double s) const { return start_radius_ + radial_rate_ * s; }
+  [[nodiscard]] double angle(double s) const;
+  /// Parameter at which `turned` radians of the sweep (0 … |sweep|) are done.
+  [[nodiscard]] double place_of_turn(double turned) const;
+
+ private:
+  friend Result<Arc> make_arc(const Position& start, const ArcShape& shape);
+
+  PlaneAxes axes_{};
+  Position start_;
+  Position end_;
+  Position drift_;  ///< dq/ds of the axes outside the plane; 0 for the two within
+  double first_centre_ = 0.0;
+  double second_centre_ = 0.0;
+  double start_angle_ = 0.0;
+  double sweep_ = 0.0;
+  double start_radius_ = 0.0;
+  double radial_rate_ = 0.0;      ///< d radius / ds
+  double tangential_rate_ = 0.0;  ///< radius * d angle / ds, signed
+  double log_growth_ = 0.0;       ///< ln(end radius / start radius)
+  double length_ = 0.0;
+};
+
+/// Refused: a radius of (nearly) zero, no turns at all, or radii at start and end that differ by
+/// more than rounding explains (kRadiusMismatch mm and kRadiusMismatchRatio of the radius).
+[[nodiscard]] Result<Arc> make_arc(const Position& start, const ArcShape& shape);
+inline constexpr double kRadiusMismatch = 0.05;
+inline constexpr double kRadiusMismatchRatio = 0.001;
+
+/// Replaces the surroundings of a corner: the cubic with given positions and tangents at both ends.
+/// Between two straight lines, cut back equally, it is a parabola with constant q''.
+class CornerBlend {
+ public:
+  CornerBlend() = default;
+  CornerBlend(const Position& start, const Position& start_tangent, const Position& end,
+              const Position& end_tangent, double length);
+
+  [[nodiscard]] double length() const { return length_; }
+  [[nodiscard]] Position point(double s) const;
+  [[nodiscard]] Position tangent(double s) const;
+  [[nodiscard]] Position bend(double s) const;
+  [[nodiscard]] const Position& end() const { return end_; }
+
+ private:
+  Position start_;
+  Position end_;
+  Position c1_;  ///< q = start + c1 s + c2 s² + c3 s³
+  Position c2_;
+  Position c3_;
+  double length_ = 0.0;
+};
+
+using Curve = std::variant<Line, Arc, CornerBlend>;
+
+[[nodiscard]] double length_of(const Curve& curve);
+[[nodiscard]] Measure measure_of(const Curve& curve);
+[[nodiscard]] bool is_straight(const Curve& curve);
+/// At or beyond the length, point_of() is the programmed end to the last bit.
+[[nodiscard]] Position point_of(const Curve& curve, double s);
+[[nodiscard]] Position tangent_of(const Curve& curve, double s);  ///< q'(s)
+[[nodiscard]] Position bend_of(const Curve& curve, double s);     ///< q''(s)
+
+/// Euclidean length over all six axes, mm and degrees alike.
+[[nodiscard]] double norm(const Position& p);
+
+}  // namespace cnc::motion

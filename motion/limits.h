@@ -1,0 +1,27 @@
+// What the machine can do, per axis, and what follows for a direction of travel.
+#pragma once
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "config/axis.h"
+
+namespace cnc::motion {
+
+struct AxisLimits {
+  Position max_velocity;      ///< mm/s, deg/s; > 0 for every axis that may move
+  Position max_acceleration;  ///< mm/s², deg/s²; > 0 for every axis that may move
+};
+
+/// Largest factor that keeps |factor * direction| within `limit` on every axis; infinite for a
+/// direction of zero.
+[[nodiscard]] inline double largest_along(const Position& direction, const Position& limit) {
+  double factor = std::numeric_limits<double>::infinity();
+  for (const Axis axis : kAllAxes) {
+    if (direction[axis] != 0.0) factor = std::min(factor, limit[axis] / std::abs(direction[axis]));
+  }
+  return factor;
+}
+
+}  // namespace cnc::motion

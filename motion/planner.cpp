@@ -1,0 +1,243 @@
+#include "motion/planner.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/core.h>
+#include <utility>
+
+#include "motion/extents.h"
+#include "motion/ring.h"
+#include "motion/sampler.h"
+#include "motion/track.h"
+
+namespace cnc::motion {
+
+namespace {
+
+/// Moves that may wait behind what is planned; a caller that asks full() never has more than one.
+constexpr std::size_t kMostWaiting = 65'536;
+
+bool is_usable(double value) { return std::abs(value) <= kLargestCoordinate; }  // false for NaN
+
+Result<void> check_end(const Position& end) {
+  for (const Axis axis : kAllAxes) {
+    if (is_usable(end[axis])) continue;
+    return fail(ErrorCode::move_number_unusable,
+                fmt::format("The target of axis {} is {}; it must be a number within ±{:.0f}.",
+                            axis_name(axis), end[axis], kLargestCoordinate));
+  }
+  return {};
+}
+
+Result<void> check_options(const MoveOptions& options) {
+  if (options.kind == MoveKind::feed && !(options.feed > 0.0 && options.feed <= kLargestFeed)) {
+    return fail(ErrorCode::move_feed_unusable,
+                fmt::format("The feed is {} mm/s; it must be above 0 and at most {:.0f}.",
+                            options.feed, kLargestFeed));
+  }
+  if (options.laf_angle && !std::isfinite(*options.laf_angle)) {
+    return fail(ErrorCode::move_number_unusable,
+                "The angle up to which corners are not stopped at is not a number.");
+  }
+  return {};
+}
+
+Result<void> check_axes(const Extents& extents, const AxisLimits& limits) {
+  for (const Axis axis : kAllAxes) {
+    const bool moves = extents.max[axis] > extents.min[axis];
+    const double velocity = limits.max_velocity[axis];
+    const double acceleration = limits.max_acceleration[axis];
+    const bool can_move = velocity > 0.0 && acceleration > 0.0 && std::isfinite(velocity) &&
+                          std::isfinite(acceleration);
+    if (moves && !can_move) {
+      return fail(ErrorCode::move_axis_without_limits,
+                  fmt::format("Axis {} would move but has no velocity and acceleration limit "
+                              "above 0.",
+                              axis_name(axis)));
+    }
+  }
+  return {};
+}
+
+Result<void> check_arc(const ArcShape& arc) {
+  if (!is_usable(arc.first_centre) || !is_usable(arc.second_centre)) {
+    return fail(ErrorCode::move_number_unusable,
+                fmt::format("The centre of the arc is {}, {}; both must be numbers within ±{:.0f}.",
+                            arc.first_centre, arc.second_centre, kLargestCoordinate));
+  }
+  if (arc.turns > kMostTurns || arc.turns < -kMostTurns) {
+    return fail(ErrorCode::move_number_unusable,
+                fmt::format("The arc has {} turns; {} are allowed.", arc.turns, kMostTurns));
+  }
+  return {};
+}
+
+/// Time of a curve from standstill to standstill, at no more than `speed`: a trapezoid.
+double time_alone(double length, double speed, double acceleration) {
+  if (speed <= 0.0) return std::numeric_limits<double>::infinity();
+  if (length * acceleration < speed * speed) return 2.0 * std::sqrt(length / acceleration);
+  return length / speed + speed / acceleration;
+}
+
+}  // namespace
+
+struct Planner::Impl {
+  Impl(const PlannerSettings& wanted, const Position& start)
+      : settings(wanted),
+        track(wanted.limits),
+        sampler(std::clamp(wanted.max_setpoint_duration, 0.0005, 0.1)),
+        position(start),
+        queue_end(start) {}
+
+  /// Moves waiting curves onto the track, as far as planning looks ahead.
+  void feed_track() {
+    while (track.extend() && !waiting.empty() && !track.sufficient()) {
+      track.append(waiting.front());
+      waiting.pop_front();
+    }
+  }
+
+  Result<void> add(const Curve& curve, const Extents& extents, const Position& end,
+                   const MoveOptions& options) {
+    if (auto good = check_axes(extents, settings.limits); !good) return good;
+    if (waiting.size() >= kMostWaiting) {
+      return fail(
+          ErrorCode::motion_queue_full,
+          fmt::format("{} moves are waiting; draw setpoints before adding more.", waiting.size()));
+    }
+    Piece piece;
+    piece.curve = curve;
+    piece.end = length_of(curve);
+    piece.kind = options.kind;
+    piece.feed = options.kind == MoveKind::feed ? options.feed : 0.0;
+    piece.laf_angle = options.laf_angle.value_or(settings.laf_angle);
+    piece.stop_at_end = options.stop_at_end;
+    piece.tag = options.tag;
+    waiting.reserve(waiting.size() + 1);
+    waiting.push_back(std::move(piece));
+    queue_end = end;
+    feed_track();
+    return {};
+  }
+
+  /// A vanished move leaves nothing but its wish to stop.
+  void add_nothing(const MoveOptions& options) {
+    if (!options.stop_at_end) return;
+    if (waiting.empty()) {
+      track.stop_at_end();
+    } else {
+      waiting.back().stop_at_end = true;
+    }
+  }
+
+  [[nodiscard]] bool standing() const { return track.place().speed == 0.0; }
+
+  [[nodiscard]] double time_of_waiting(const Piece& piece, double length) const {
+    const Position direction = direction_bound(piece.curve);
+    const double machine = largest_along(direction, settings.limits.max_velocity);
+    const double speed = piece.kind == MoveKind::rapid
+                             ? machine * overrides.rapid
+                             : std::min(machine, piece.feed * overrides.feed);
+    return time_alone(length, speed, largest_along(direction, settings.limits.max_acceleration));
+  }
+
+  /// Along an arc the direction takes every value: |q'_i| <= 1 for the axes of its plane bounds it,
+  /// and half of each limit is left to the curvature.
+  [[nodiscard]] static Position direction_bound(const Curve& curve) {
+    Position bound = tangent_of(curve, 0.0);
+    if (is_straight(curve)) return bound;
+    for (const Axis axis : kLinearAxes) {
+      const bool moves = bound[axis] != 0.0 || bend_of(curve, 0.0)[axis] != 0.0;
+      bound[axis] = moves ? 2.0 : 0.0;
+    }
+    return bound;
+  }
+
+  PlannerSettings settings;
+  Track track;
+  Sampler sampler;
+  Ring<Piece> waiting;
+  Overrides overrides;
+  bool held = false;
+  Position position;
+  Position queue_end;
+};
+
+Planner::Planner(const PlannerSettings& settings, const Position& start)
+    : impl_(std::make_unique<Impl>(settings, start)) {}
+Planner::~Planner() = default;
+Planner::Planner(Planner&&) noexcept = default;
+Planner& Planner::operator=(Planner&&) noexcept = default;
+
+Result<void> Planner::add_line(const Position& end, const MoveOptions& options) {
+  if (auto good = check_end(end); !good) return good;
+  if (auto good = check_options(options); !good) return good;
+  const Line line(impl_->queue_end, end);
+  if (line.length() < kShortest) {
+    impl_->add_nothing(options);
+    return {};
+  }
+  return impl_->add(line, extents_of_line(impl_->queue_end, end), end, options);
+}
+
+Result<void> Planner::add_arc(const ArcShape& shape, const MoveOptions& options) {
+  if (auto good = check_end(shape.end); !good) return good;
+  if (auto good = check_options(options); !good) return good;
+  if (auto good = check_arc(shape); !good) return good;
+  auto arc = make_arc(impl_->queue_end, shape);
+  if (!arc) return std::unexpected(std::move(arc.error()));
+  return impl_->add(*arc, extents_of_arc(*arc), shape.end, options);
+}
+
+bool Planner::full() const { return !impl_->waiting.empty() || impl_->track.sufficient(); }
+
+bool Planner::idle() const { return impl_->waiting.empty() && impl_->track.empty(); }
+
+std::optional<Setpoint> Planner::next() {
+  impl_->feed_track();
+  auto setpoint = impl_->sampler.next(impl_->track, impl_->held);
+  if (setpoint) impl_->position = setpoint->position;
+  return setpoint;
+}
+
+void Planner::set_overrides(double feed, double rapid) {
+  // A NaN fails both comparisons of clamp and would pass: it means 0, the safe side.
+  impl_->overrides = {std::isnan(feed) ? 0.0 : std::clamp(feed, 0.0, 3.0),
+                      std::isnan(rapid) ? 0.0 : std::clamp(rapid, 0.0, 1.0)};
+  impl_->track.set_overrides(impl_->overrides);
+}
+
+void Planner::hold() { impl_->held = true; }
+void Planner::resume() { impl_->held = false; }
+bool Planner::held() const { return impl_->held; }
+
+bool Planner::clear() {
+  if (!impl_->standing()) return false;
+  impl_->track.clear();
+  impl_->waiting.clear();
+  impl_->queue_end = impl_->position;
+  return true;
+}
+
+const Position& Planner::queue_end() const { return impl_->queue_end; }
+const Position& Planner::position() const { return impl_->position; }
+
+double Planner::queued_time() const {
+  double time = impl_->track.time_to_end();
+  if (const double rest = impl_->track.unplanned_length(); rest > 0.0) {
+    time += impl_->time_of_waiting(impl_->track.last_piece(), rest);
+  }
+  for (std::uint64_t i = impl_->waiting.first(); i != impl_->waiting.end(); ++i) {
+    time += impl_->time_of_waiting(impl_->waiting[i], impl_->waiting[i].end);
+  }
+  return time;
+}
+
+bool Planner::set_position(const Position& position) {
+  if (!idle() || !check_end(position)) return false;
+  impl_->position = position;
+  impl_->queue_end = position;
+  return true;
+}
+
+}  // namespace cnc::motion

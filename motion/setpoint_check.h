@@ -1,0 +1,39 @@
+// The last look at every setpoint before it leaves for the machine.
+//
+// It knows nothing of how a setpoint came about: limits are checked when motion is planned, and
+// here again on the cubic that the controller will execute, so that a fault in planning cannot
+// become a fault of the machine. Real-time: allocates only for the message of an error.
+#pragma once
+
+#include "config/axis.h"
+#include "config/error.h"
+#include "motion/extents.h"
+#include "motion/limits.h"
+#include "motion/setpoint.h"
+
+namespace cnc::motion {
+
+/// How much of a limit may be exceeded: rounding, nothing else.
+inline constexpr double kCheckTolerance = 1e-6;
+
+class SetpointCheck {
+ public:
+  /// `travel`: where the axes may be; infinite where an axis has no end or is not homed. `start`:
+  /// where the machine stands. An axis that is outside already may move, but not further out.
+  SetpointCheck(const AxisLimits& limits, const Extents& travel, const Position& start);
+
+  /// Position, velocity and acceleration of the whole cubic from the end of the last setpoint that
+  /// was good to the end of this one. After an error nothing has changed.
+  [[nodiscard]] Result<void> check(const Setpoint& setpoint);
+
+  /// The machine stands still here now, by whatever means.
+  void restart(const Position& position);
+
+ private:
+  AxisLimits limits_;
+  Extents travel_;
+  Position position_;
+  Position velocity_;
+};
+
+}  // namespace cnc::motion

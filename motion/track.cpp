@@ -1,0 +1,286 @@
+#include "motion/track.h"
+
+#include <algorithm>
+#include <cassert>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "motion/junction.h"
+
+namespace cnc::motion {
+
+namespace {
+
+/// Steps kept free so that a corner blend and the first steps behind it always find room.
+constexpr std::size_t kSpareSteps = 256;
+
+/// A blend leaves at least this share of a curve to the curve itself: no sliver between two blends.
+constexpr double kLargestCutShare = 0.45;
+
+/// Beyond the braking distance, this much time at full speed: setpoints are drawn in batches.
+constexpr double kLookAheadTime = 0.1;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// The end of a step is reached when less than rounding is left.
+bool is_end_of(const Step& step, double done) {
+  return step.length - done <= 1e-12 * (1.0 + step.length);
+}
+
+}  // namespace
+
+Track::Track(const AxisLimits& limits, std::size_t max_steps)
+    : limits_(limits), pieces_(max_steps), steps_(max_steps) {}
+
+// --- appending -----------------------------------------------------------------------------------
+
+bool Track::sufficient() const {
+  if (steps_.empty()) return false;
+  if (steps_.free() < kSpareSteps) return true;
+  const double end = steps_.back().distance + steps_.back().length;
+  return end - steps_[place_.step].distance - place_.done >= look_ahead_;
+}
+
+bool Track::extend() {
+  if (pieces_.empty()) return true;
+  Piece& last = pieces_.back();
+  if (last.stepped >= last.end) return true;
+  const std::uint64_t before = steps_.end();
+  while (last.stepped < last.end && !sufficient()) {
+    const double left = last.end - last.stepped;
+    const double count = std::max(1.0, std::ceil(left / last.grid - 1e-9));
+    push_step(pieces_.end() - 1, left / count, false);
+    if (count == 1.0) last.stepped = last.end;
+  }
+  if (steps_.end() != before) plan_backward();
+  return last.stepped >= last.end;
+}
+
+void Track::append(Piece piece) {
+  if (empty()) return push(std::move(piece), true);
+  const Piece& last = pieces_.back();
+  const double length = piece.end;
+  const BlendLimits limits{kExactPathTolerance, std::min(last.laf_angle, piece.laf_angle),
+                           free_before_end(), kLargestCutShare * length};
+  const Junction junction = last.stop_at_end
+                                ? Junction{JunctionKind::corner}
+                                : judge_junction(last.curve, last.end, piece.curve, limits);
+  if (junction.kind == JunctionKind::blend && append_blended(piece, junction.cut)) return;
+  push(std::move(piece), junction.kind != JunctionKind::smooth);
+}
+
+/// The present place may lie so close to the old end that the machine cannot slow down for the
+/// blend any more; then nothing has changed and the answer is no.
+bool Track::append_blended(const Piece& piece, double cut) {
+  const Piece& last = pieces_.back();
+  const double old_end = last.end;
+  Piece blend = last;
+  blend.curve = make_blend(last.curve, old_end, piece.curve, cut);
+  blend.begin = 0.0;
+  blend.end = 2.0 * cut;
+  blend.stop_at_end = false;
+  if (last.kind == MoveKind::rapid || piece.kind == MoveKind::feed) {
+    blend.feed = last.kind == piece.kind ? std::min(last.feed, piece.feed) : piece.feed;
+    blend.kind = piece.kind;
+  }
+  Piece rest = piece;
+  rest.begin = cut;
+
+  set_end_of_last(old_end - cut);
+  push(std::move(blend), false);
+  push(std::move(rest), false);
+  if (place_is_safe()) return true;
+  pop_last_piece();
+  pop_last_piece();
+  set_end_of_last(old_end);
+  return false;
+}
+
+void Track::push(Piece piece, bool stop_before) {
+  const double speed = std::min(
+      piece.kind == MoveKind::feed ? piece.feed * std::max(1.0, overrides_.feed) : kInfinity,
+      largest_along(tangent_of(piece.curve, piece.begin), limits_.max_velocity));
+  piece.grid = grid_length(piece.curve, piece.begin, piece.end, speed, limits_);
+  piece.stepped = piece.begin;
+  const double acceleration =
+      largest_along(tangent_of(piece.curve, piece.begin), limits_.max_acceleration);
+  look_ahead_ = std::max(look_ahead_, speed * speed / acceleration + speed * kLookAheadTime);
+
+  const double count = std::max(1.0, std::ceil((piece.end - piece.begin) / piece.grid - 1e-9));
+  pieces_.push_back(std::move(piece));
+  Piece& last = pieces_.back();
+  push_step(pieces_.end() - 1, (last.end - last.begin) / count, stop_before);
+  if (count == 1.0) last.stepped = last.end;
+  plan_backward();
+  extend();
+}
+
+void Track::push_step(std::uint64_t piece_index, double length, bool stop_before) {
+  Piece& piece = pieces_[piece_index];
+  Step step = make_step(piece.curve, piece.stepped, length, limits_);
+  step.piece = piece_index;
+  step.stop_before = stop_before;
+  step.distance = steps_.empty() ? 0.0 : steps_.back().distance + steps_.back().length;
+  apply_feed(step, piece);
+  piece.stepped += length;
+  steps_.push_back(step);
+}
+
+void Track::pop_last_piece() {
+  while (!steps_.empty() && steps_.back().piece == pieces_.end() - 1) steps_.pop_back();
+  pieces_.pop_back();
+}
+
+/// Shortens or lengthens the last curve; never at what the machine is already driving.
+void Track::set_end_of_last(double end) {
+  Piece& last = pieces_.back();
+  last.end = end;
+  Step& step = steps_.back();
+  if (step.straight) {
+    step.length = end - step.start;
+    step.machine_entry = -1.0;  // computed anew
+    last.stepped = end;
+  } else {
+    while (steps_.back().end() > end) steps_.pop_back();
+    last.stepped = steps_.back().end();
+  }
+  plan_backward();
+  extend();
+}
+
+/// How much of the last curve a blend may still take.
+double Track::free_before_end() const {
+  const Piece& last = pieces_.back();
+  const double share = kLargestCutShare * length_of(last.curve);
+  const Step& step = steps_[place_.step];
+  if (step.piece != pieces_.end() - 1) return share;
+  const double driven = step.straight ? step.start + place_.done : step.end();
+  return std::min(share, 0.9 * (last.end - driven));
+}
+
+void Track::stop_at_end() {
+  if (!pieces_.empty()) pieces_.back().stop_at_end = true;
+}
+
+// --- planning ------------------------------------------------------------------------------------
+
+void Track::set_overrides(const Overrides& overrides) {
+  if (overrides.feed == overrides_.feed && overrides.rapid == overrides_.rapid) return;
+  overrides_ = overrides;
+  for (std::uint64_t i = steps_.first(); i != steps_.end(); ++i) {
+    apply_feed(steps_[i], pieces_[steps_[i].piece]);
+    steps_[i].wanted_entry = -1.0;
+  }
+  plan_backward();
+}
+
+void Track::apply_feed(Step& step, const Piece& piece) const {
+  if (piece.kind == MoveKind::rapid) {
+    step.wanted_x = step.machine_x * overrides_.rapid * overrides_.rapid;
+  } else {
+    const double feed = piece.feed * overrides_.feed;
+    step.wanted_x = std::min(step.machine_x, feed * feed);
+  }
+}
+
+/// Largest x that the two steps which meet at the begin of step `index` allow there.
+double Track::entry_limit(std::uint64_t index, double Step::*limit) const {
+  const Step& step = steps_[index];
+  if (step.stop_before) return 0.0;
+  if (index == steps_.first()) return step.*limit;
+  return std::min(step.*limit, steps_[index - 1].*limit);
+}
+
+void Track::plan_backward() {
+  Exit exit{0.0, 0.0};
+  for (std::uint64_t i = steps_.end(); i-- > place_.step + 1;) {
+    Step& step = steps_[i];
+    const double machine = largest_entry(step, exit.machine_x);
+    const double wanted =
+        exit.wanted_x == exit.machine_x ? machine : largest_entry(step, exit.wanted_x);
+    const Exit entry{std::min(entry_limit(i, &Step::machine_x), machine),
+                     std::min(entry_limit(i, &Step::wanted_x), wanted)};
+    if (entry.machine_x == step.machine_entry && entry.wanted_x == step.wanted_entry) return;
+    step.machine_entry = entry.machine_x;
+    step.wanted_entry = entry.wanted_x;
+    exit = entry;
+  }
+}
+
+Exit Track::exit_of(std::uint64_t index) const {
+  if (index + 1 == steps_.end()) return {0.0, 0.0};
+  return {steps_[index + 1].machine_entry, steps_[index + 1].wanted_entry};
+}
+
+/// Whether the machine can keep its limits from where it is with the speed that it has.
+bool Track::place_is_safe() const {
+  const Step& step = steps_[place_.step];
+  const double x = place_.speed * place_.speed;
+  const double left = step.length - place_.done;
+  const double braking = step.straight ? -step.along : allowed_w(step, place_.done, x).low;
+  return x + 2.0 * left * braking <= exit_of(place_.step).machine_x * (1.0 + 1e-9);
+}
+
+// --- moving along --------------------------------------------------------------------------------
+
+void Track::advance(const Place& place) {
+  place_ = place;
+  while (steps_.first() < place_.step) steps_.pop_front();
+  if (steps_.empty()) return clear();
+  while (pieces_.first() < steps_.front().piece) pieces_.pop_front();
+}
+
+void Track::clear() {
+  steps_.clear();
+  pieces_.clear();
+  place_ = {steps_.end(), 0.0, 0.0};
+  look_ahead_ = 0.0;
+}
+
+const Piece& Track::piece_at(const Place& place) const { return pieces_[steps_[place.step].piece]; }
+
+Position Track::position_at(const Place& place) const {
+  if (at_end(place)) return point_of(pieces_.back().curve, pieces_.back().end);
+  const Step& step = steps_[place.step];
+  return point_of(pieces_[step.piece].curve, step.start + place.done);
+}
+
+Position Track::velocity_at(const Place& place) const {
+  if (at_end(place) || place.speed == 0.0) return {};
+  const Step& step = steps_[place.step];
+  return tangent_of(pieces_[step.piece].curve, step.start + place.done) * place.speed;
+}
+
+std::optional<Leg> Track::leg_from(const Place& place, bool braking) const {
+  if (at_end(place)) return std::nullopt;
+  return next_leg(steps_[place.step], place.done, place.speed, exit_of(place.step), braking);
+}
+
+Place Track::behind(const Place& place, const Leg& leg) const {
+  const double done = place.done + leg.length;
+  if (is_end_of(steps_[place.step], done)) return {place.step + 1, 0.0, leg.end_speed};
+  return {place.step, done, leg.end_speed};
+}
+
+Place Track::inside(const Place& place, const Leg& leg, double time) const {
+  const double way = time * (leg.start_speed + 0.5 * leg.w * time);
+  return {place.step, place.done + way, std::max(0.0, leg.start_speed + leg.w * time)};
+}
+
+double Track::time_to_end() const {
+  double time = 0.0;
+  for (Place place = place_; !at_end(place);) {
+    const auto leg = leg_from(place, false);
+    if (!leg) return kInfinity;
+    time += leg->duration();
+    place = behind(place, *leg);
+  }
+  return time;
+}
+
+double Track::unplanned_length() const {
+  return pieces_.empty() ? 0.0 : pieces_.back().end - pieces_.back().stepped;
+}
+
+}  // namespace cnc::motion

@@ -1,0 +1,114 @@
+// The planned part of the path, and where on it the machine is.
+//
+// Curves are appended, joined at their junctions, cut into steps (step.h), and planned backward so
+// that each step knows with which speed it may be entered; the sampler walks along and steps vanish
+// behind it. The plan always ends in a standstill at the end of what has been appended, whatever is
+// added later.
+//
+// Memory is fixed: a curve of very many steps (a helix with ten thousand turns) is cut into steps
+// as room becomes free. Appending costs amortised constant time: the backward pass stops where
+// nothing changes any more. Only append() and the constructor allocate.
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+
+#include "motion/curve.h"
+#include "motion/leg.h"
+#include "motion/limits.h"
+#include "motion/ring.h"
+#include "motion/setpoint.h"
+#include "motion/step.h"
+
+namespace cnc::motion {
+
+struct Overrides {
+  double feed = 1.0;
+  double rapid = 1.0;
+};
+
+/// A curve with what the program wants of it. The range [begin, end] of the curve is driven; blends
+/// have taken the rest.
+struct Piece {
+  Curve curve;
+  double begin = 0.0;
+  double end = 0.0;
+  double stepped = 0.0;  ///< up to here it has been cut into steps
+  double grid = 0.0;     ///< longest step
+  MoveKind kind = MoveKind::feed;
+  double feed = 0.0;
+  double laf_angle = 0.0;
+  bool stop_at_end = false;
+  MoveTag tag;
+};
+
+/// Where the machine is: `done` mm inside step number `step`, at `speed` = ds/dt.
+struct Place {
+  std::uint64_t step = 0;
+  double done = 0.0;
+  double speed = 0.0;
+};
+
+class Track {
+ public:
+  explicit Track(const AxisLimits& limits, std::size_t max_steps = 8192);
+
+  [[nodiscard]] const AxisLimits& limits() const { return limits_; }
+
+  [[nodiscard]] bool empty() const { return steps_.empty(); }
+  /// True when a whole braking distance and more is planned, or memory is used up.
+  [[nodiscard]] bool sufficient() const;
+  /// Cuts what waits of the last curve into steps until sufficient(); true when none is left.
+  bool extend();
+  /// Appends a curve that begins where the last one ends. Only after extend() returned true.
+  void append(Piece piece);
+  /// The machine shall stand still at the present end, whatever comes.
+  void stop_at_end();
+
+  void set_overrides(const Overrides& overrides);
+
+  [[nodiscard]] const Place& place() const { return place_; }
+  /// Moves the machine on; drops what lies behind. Forgets everything once it stands at the end.
+  void advance(const Place& place);
+  void clear();
+
+  [[nodiscard]] const Step& step(std::uint64_t index) const { return steps_[index]; }
+  [[nodiscard]] const Piece& last_piece() const { return pieces_.back(); }
+  [[nodiscard]] const Piece& piece_at(const Place& place) const;
+  [[nodiscard]] Position position_at(const Place& place) const;
+  [[nodiscard]] Position velocity_at(const Place& place) const;
+
+  [[nodiscard]] bool at_end(const Place& place) const { return place.step == steps_.end(); }
+  /// The next stretch of motion from a place, and the place `length` mm further inside it.
+  [[nodiscard]] std::optional<Leg> leg_from(const Place& place, bool braking) const;
+  [[nodiscard]] Place behind(const Place& place, const Leg& leg) const;
+  [[nodiscard]] Place inside(const Place& place, const Leg& leg, double time) const;
+
+  /// Seconds to the end of the plan from the present place; walks over all steps.
+  [[nodiscard]] double time_to_end() const;
+  /// Length of what has been appended but not yet cut into steps.
+  [[nodiscard]] double unplanned_length() const;
+
+ private:
+  void push(Piece piece, bool stop_before);
+  void pop_last_piece();
+  void push_step(std::uint64_t piece_index, double length, bool stop_before);
+  void set_end_of_last(double end);
+  [[nodiscard]] double free_before_end() const;
+  [[nodiscard]] bool append_blended(const Piece& piece, double cut);
+  void apply_feed(Step& step, const Piece& piece) const;
+  void plan_backward();
+  [[nodiscard]] double entry_limit(std::uint64_t index, double Step::*limit) const;
+  [[nodiscard]] Exit exit_of(std::uint64_t index) const;
+  [[nodiscard]] bool place_is_safe() const;
+
+  AxisLimits limits_;
+  Overrides overrides_;
+  Ring<Piece> pieces_;
+  Ring<Step> steps_;
+  Place place_;
+  double look_ahead_ = 0.0;  ///< mm; enough for the fastest curve since the last standstill
+};
+
+}  // namespace cnc::motion

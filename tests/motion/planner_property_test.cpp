@@ -1,0 +1,169 @@
+// Whatever the path: within every axis' limits, within 0.2 µm of the program, at its end exactly.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "motion/setpoint_check.h"
+#include "tests/motion/trajectory.h"
+
+namespace cnc::motion::test {
+
+namespace {
+
+/// Seeded source of paths.
+class Dice {
+ public:
+  explicit Dice(std::uint32_t seed) : engine_(seed) {}
+  double between(double low, double high) {
+    return std::uniform_real_distribution<double>(low, high)(engine_);
+  }
+  /// Spread evenly over the orders of magnitude.
+  double scale(double low, double high) { return std::exp(between(std::log(low), std::log(high))); }
+  bool chance(double probability) { return between(0.0, 1.0) < probability; }
+  int pick(int count) { return std::uniform_int_distribution<int>(0, count - 1)(engine_); }
+
+ private:
+  std::mt19937 engine_;
+};
+
+struct World {
+  explicit World(const PlannerSettings& planner_settings)
+      : settings(planner_settings), planner(settings, {}), path({}) {}
+
+  PlannerSettings settings;
+  Planner planner;
+  Path path;
+  Trajectory trajectory{{}, {}};
+
+  void draw(int count) {
+    for (int i = 0; i < count; ++i) {
+      const auto setpoint = planner.next();
+      if (!setpoint) return;
+      trajectory.setpoints.push_back(*setpoint);
+    }
+  }
+};
+
+ArcShape random_arc(Dice& dice, const Position& start, double size) {
+  ArcShape arc;
+  arc.plane = static_cast<Plane>(dice.pick(3));
+  const PlaneAxes axes = axes_of(arc.plane);
+  const double direction = dice.between(-3.14, 3.14);
+  const double radius = dice.scale(size * 0.05, size);
+  arc.first_centre = start[axes.first] + radius * std::cos(direction);
+  arc.second_centre = start[axes.second] + radius * std::sin(direction);
+  const double end = dice.between(-3.14, 3.14);
+  // Programs are rounded: the end is off the circle by up to 0.5 µm.
+  const double rounded = radius + dice.between(-5e-4, 5e-4) * std::min(1.0, radius);
+  arc.end = start;
+  arc.end[axes.first] = arc.first_centre + rounded * std::cos(end);
+  arc.end[axes.second] = arc.second_centre + rounded * std::sin(end);
+  if (dice.chance(0.5)) arc.end[axes.third] += dice.between(-size, size);
+  if (dice.chance(0.2)) arc.end[Axis::A] += dice.between(-30.0, 30.0);
+  arc.turns = (dice.chance(0.5) ? 1 : -1) * (1 + dice.pick(2));
+  return arc;
+}
+
+void add_random_moves(World& world, Dice& dice, int count) {
+  const double size = dice.scale(0.001, 50.0);
+  const double turn = dice.scale(0.001, 3.0);
+  double heading = 0.0;
+  for (int i = 0; i < count; ++i) {
+    MoveOptions options = dice.chance(0.2) ? rapid() : feed_of(dice.scale(0.5, 300.0));
+    options.stop_at_end = dice.chance(0.05);
+    options.tag.id = static_cast<std::uint64_t>(i);
+    if (dice.chance(0.2)) {
+      add_arc(world.planner, world.path, random_arc(dice, world.path.end(), size), options);
+    } else {
+      heading += dice.between(-turn, turn);
+      const double length = dice.scale(size * 0.01, size);
+      Position end = world.path.end();
+      end[Axis::X] += length * std::cos(heading);
+      end[Axis::Y] += length * std::sin(heading);
+      if (dice.chance(0.3)) end[Axis::Z] += length * dice.between(-0.3, 0.3);
+      if (dice.chance(0.1)) end[Axis::C] += dice.between(-5.0, 5.0);
+      add_line(world.planner, world.path, end, options);
+    }
+    while (world.planner.full()) world.draw(1);
+    // A slow source: the machine runs into the end of the queue now and then.
+    if (dice.chance(0.1)) world.draw(dice.pick(40));
+  }
+}
+
+/// Everything that must hold for a finished trajectory.
+void require_sound(const World& world) {
+  const AxisLimits& limits = world.settings.limits;
+  const Usage usage = usage_of(world.trajectory, limits);
+  CHECK(usage.velocity <= 1.0 + 1e-6);
+  CHECK(usage.acceleration <= 1.0 + 1e-3);
+  const auto infinite = Position::filled(std::numeric_limits<double>::infinity());
+  SetpointCheck check(limits, {infinite * -1.0, infinite}, world.trajectory.start);
+  for (const Setpoint& setpoint : world.trajectory.setpoints) {
+    const auto good = check.check(setpoint);
+    if (!good) FAIL_CHECK(good.error().to_string());
+    if (!good) break;
+  }
+  CHECK(world.path.deviation_of(world.trajectory, 0.0001) < 2e-4);
+  CHECK(world.trajectory.end() == world.path.end());
+}
+
+}  // namespace
+
+TEST_CASE("Random paths are driven within all limits and 0.2 µm of the program",
+          "[MOT-1][MOT-2][MOT-4]") {
+  for (std::uint32_t seed = 1; seed <= 150; ++seed) {
+    CAPTURE(seed);
+    Dice dice(seed);
+    PlannerSettings settings = reference_settings();
+    settings.max_setpoint_duration = dice.scale(0.001, 0.05);
+    if (dice.chance(0.3)) settings.laf_angle = dice.between(0.0, 60.0);
+    if (dice.chance(0.5)) settings.limits.max_acceleration[Axis::Y] = dice.scale(50.0, 5000.0);
+    if (dice.chance(0.5)) settings.limits.max_velocity[Axis::Z] = dice.scale(5.0, 500.0);
+    World world(settings);
+    add_random_moves(world, dice, 60);
+    world.draw(10'000'000);
+    CHECK(world.planner.idle());
+    require_sound(world);
+  }
+}
+
+TEST_CASE("Feed hold at any instant stays on the path and within the limits", "[MOT-1][MAN-9]") {
+  for (std::uint32_t seed = 1; seed <= 100; ++seed) {
+    CAPTURE(seed);
+    Dice dice(seed);
+    World world(reference_settings());
+    for (int round = 0; round < 6; ++round) {
+      add_random_moves(world, dice, 8);
+      world.draw(dice.pick(60));
+      world.planner.hold();
+      world.draw(10'000'000);
+      CHECK_FALSE(world.planner.next().has_value());
+      world.planner.resume();
+    }
+    world.draw(10'000'000);
+    CHECK(world.planner.idle());
+    require_sound(world);
+  }
+}
+
+TEST_CASE("Overrides that change at any instant stay on the path and within the limits",
+          "[MOT-1][MAN-8]") {
+  for (std::uint32_t seed = 1; seed <= 100; ++seed) {
+    CAPTURE(seed);
+    Dice dice(seed);
+    World world(reference_settings());
+    for (int round = 0; round < 10; ++round) {
+      add_random_moves(world, dice, 6);
+      const double feed = dice.chance(0.2) ? 0.0 : dice.scale(0.01, 3.0);
+      world.planner.set_overrides(feed, dice.chance(0.2) ? 0.0 : dice.scale(0.01, 1.0));
+      world.draw(dice.pick(60));
+      world.planner.set_overrides(dice.scale(0.5, 3.0), 1.0);
+    }
+    world.draw(10'000'000);
+    CHECK(world.planner.idle());
+    require_sound(world);
+  }
+}
+
+}  // namespace cnc::motion::test
