@@ -16,9 +16,10 @@ constexpr double seconds(firmware::Ticks ticks) {
 }
 
 // The board refuses segments from 1 % above the frequency that the configuration may use: rounded
-// durations and the cubic's ripple around a constant speed must not trip it.
+// durations and the cubic's ripple around a constant speed must not trip it. What no board can
+// make, and what is not a number, still gets there as a number: refusing it is the board's part.
 firmware::Setup setup_for(const DriverSettings& settings) {
-  const double limit = std::clamp(settings.max_step_frequency * 1.01, 0.0, 500e3);
+  const double limit = std::fmin(std::fmax(settings.max_step_frequency * 1.01, 0.0), 1e6);
   return {.max_velocity = firmware::velocity_of_frequency(std::llround(limit)),
           .host_timeout = std::llround(settings.host_timeout * double{firmware::kTicksPerSecond}),
           .drives_off_on_fault = settings.drives_off_on_fault};
