@@ -1,0 +1,139 @@
+#include <fmt/format.h>
+
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+#include "interpreter/check.h"
+#include "server/cncsim/options.h"
+#include "server/job/settings.h"
+
+namespace cnc::server {
+namespace {
+
+constexpr int kGood = 0;
+constexpr int kProgramHasErrors = 1;
+constexpr int kBadInput = 2;
+
+int refuse(const Error& error) {
+  fmt::print(stderr, "cncsim: {}\n  {}\n", error.to_string(), error_info(error.code).check);
+  return kBadInput;
+}
+
+/// Writes one canonical command per line.
+class CanonFile {
+ public:
+  static Result<CanonFile> create(const std::filesystem::path& path) {
+    std::FILE* file = std::fopen(path.c_str(), "w");
+    if (file == nullptr)
+      return fail(ErrorCode::file_not_writable,
+                  fmt::format("Cannot write {}: {}.", path.string(), std::strerror(errno)));
+    return CanonFile(path, file);
+  }
+
+  void add(const interp::Command& command) {
+    line_ = interp::text_of(command);
+    line_ += '\n';
+    std::fwrite(line_.data(), 1, line_.size(), file_.get());
+  }
+
+  Result<void> finish() {
+    if (std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0) return {};
+    return fail(ErrorCode::file_not_writable,
+                fmt::format("{} could not be written completely.", path_.string()));
+  }
+
+ private:
+  CanonFile(std::filesystem::path path, std::FILE* file) : path_(std::move(path)), file_(file) {}
+
+  struct Close {
+    void operator()(std::FILE* file) const { std::fclose(file); }
+  };
+  std::filesystem::path path_;
+  std::unique_ptr<std::FILE, Close> file_;
+  std::string line_;
+};
+
+nlohmann::json json_of(const interp::Diagnostic& diagnostic) {
+  return {{"code", static_cast<unsigned>(diagnostic.code)},
+          {"name", error_info(diagnostic.code).name},
+          {"message", diagnostic.sentence},
+          {"allowed", diagnostic.allowed},
+          {"line", diagnostic.line},
+          {"column", diagnostic.column},
+          {"length", diagnostic.length},
+          {"text", diagnostic.line_text}};
+}
+
+nlohmann::json json_of(const Position& position) {
+  nlohmann::json out;
+  for (const Axis axis : kAllAxes) out[std::string(axis_name(axis))] = position[axis];
+  return out;
+}
+
+void print_json(const CheckOptions& options, const interp::CheckReport& report) {
+  nlohmann::json out{{"file", options.file.string()},
+                     {"good", report.ok()},
+                     {"complete", report.complete},
+                     {"lines", report.line_count},
+                     {"commands", report.commands},
+                     {"errors", nlohmann::json::array()},
+                     {"warnings", nlohmann::json::array()}};
+  for (const auto& error : report.errors) out["errors"].push_back(json_of(error));
+  for (const auto& warning : report.warnings) out["warnings"].push_back(json_of(warning));
+  if (!report.motion.empty) {
+    out["min"] = json_of(report.motion.lowest);
+    out["max"] = json_of(report.motion.highest);
+  }
+  // A file in another encoding must not end the report.
+  fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
+}
+
+void print_text(const interp::CheckReport& report) {
+  for (const auto* list : {&report.errors, &report.warnings})
+    for (const interp::Diagnostic& diagnostic : *list) fmt::print("{}\n", diagnostic.to_string());
+  fmt::print("{} lines, {} errors, {} warnings{}\n", report.line_count, report.errors.size(),
+             report.warnings.size(), report.complete ? "" : "; the end was not reached");
+  if (report.motion.empty) return;
+  for (const Axis axis : kAllAxes)
+    if (report.motion.lowest[axis] != report.motion.highest[axis])
+      fmt::print("{}  {:12.4f} … {:12.4f}\n", axis_name(axis), report.motion.lowest[axis],
+                 report.motion.highest[axis]);
+}
+
+}  // namespace
+
+int check_command(const CheckOptions& options) {
+  auto data = load_machine(options);
+  if (!data) {
+    for (const Error& error : data.error()) refuse(error);
+    return kBadInput;
+  }
+  auto program = interp::Program::open(options.file);
+  if (!program) return refuse(program.error());
+
+  interp::CheckOptions check_options;
+  check_options.max_errors = options.max_errors;
+  std::optional<CanonFile> canon;
+  if (!options.canon.empty()) {
+    auto created = CanonFile::create(options.canon);
+    if (!created) return refuse(created.error());
+    canon.emplace(std::move(*created));
+    check_options.sink = [&](const interp::Command& command) { canon->add(command); };
+  }
+
+  const interp::CheckReport report =
+      interp::check(*program, interpreter_settings(data->config), data->parameters, data->tools,
+                    Position{}, check_options);
+  if (canon)
+    if (auto finished = canon->finish(); !finished) return refuse(finished.error());
+  if (options.json)
+    print_json(options, report);
+  else
+    print_text(report);
+  return report.ok() ? kGood : kProgramHasErrors;
+}
+
+}  // namespace cnc::server

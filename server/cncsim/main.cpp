@@ -1,0 +1,59 @@
+// cncsim: runs and checks programs on a simulated machine in virtual time.
+#include <spdlog/spdlog.h>
+
+#include <CLI/CLI.hpp>
+
+#include "server/cncsim/options.h"
+#include "server/version.h"
+
+namespace {
+
+void add_common(CLI::App& command, cnc::server::SimInput& input) {
+  command.add_option("file", input.file, "G-code program")->required();
+  command.add_option("--config", input.config, "Machine configuration; default: the shipped cnc.ini");
+  command.add_option("--parameters", input.parameters,
+                     "Parameter file with work offsets; default: the shipped one (G54 at 100 100 -90)");
+  command.add_option("--tools", input.tools, "Tool table; default: the shipped one");
+  command.add_option("--set", input.settings,
+                     "Overrides a setting: SECTION.key=value; may be repeated");
+  command.add_flag("--json", input.json, "Report as JSON");
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  using namespace cnc::server;
+  spdlog::set_level(spdlog::level::off);
+
+  CLI::App app{"cncsim: runs and checks G-code programs on a simulated machine, in virtual time."};
+  app.set_version_flag("--version", kServerVersion);
+  app.require_subcommand(1);
+  app.footer("Exit codes: 0 good; 1 the program has errors or the machine stopped; 2 wrong usage or "
+             "unreadable input.");
+
+  RunOptions run_options;
+  CLI::App* run = app.add_subcommand(
+      "run", "Runs a program through interpreter, planner, segments, board and machine");
+  run->footer("The machine starts homed at machine zero. Prompts (M0, M6) are answered \"go on\".");
+  add_common(*run, run_options);
+  run->add_option("--record", run_options.record,
+                  "CSV of the commanded trajectory, one row per millisecond: t,x,y,z,a,b,c,f,line "
+                  "(s, mm or deg in machine coordinates, feed limit in mm/s with 0 for a rapid, "
+                  "source line)");
+
+  CheckOptions check_options;
+  CLI::App* check = app.add_subcommand("check", "Interprets a program and lists every error");
+  add_common(*check, check_options);
+  check->add_option("--canon", check_options.canon,
+                    "Text file of the canonical commands, machine coordinates in mm");
+  check->add_option("--max-errors", check_options.max_errors, "Stop after so many errors")
+      ->check(CLI::Range(1, 100000))
+      ->capture_default_str();
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 2;
+  }
+  return run->parsed() ? run_command(run_options) : check_command(check_options);
+}

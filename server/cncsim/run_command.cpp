@@ -1,0 +1,209 @@
+#include <fmt/format.h>
+
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+#include "hal/sim/virtual_controller.h"
+#include "server/cncsim/options.h"
+#include "server/cncsim/trajectory.h"
+
+namespace cnc::server {
+namespace {
+
+constexpr int kGood = 0;
+constexpr int kJobFailed = 1;
+constexpr int kBadInput = 2;
+
+/// Virtual time between two cycles. Everything that has to be exact happens on the board's clock;
+/// this only has to be well below FifoTime.
+constexpr double kCycle = 0.02;
+
+/// Machine, link and board in one thread under a virtual clock.
+class Simulation {
+ public:
+  explicit Simulation(MachineData data)
+      : controller_(make_controller(data.config)),
+        virtual_machine_(controller_->machine()),
+        link_(std::move(controller_)),
+        machine_(std::move(data), link_, log_) {}
+
+  [[nodiscard]] Machine& machine() { return machine_; }
+  [[nodiscard]] const hal::sim::VirtualMachine& virtual_machine() const { return virtual_machine_; }
+  [[nodiscard]] const MessageLog& log() const { return log_; }
+  [[nodiscard]] double time() const { return now_; }
+
+  void cycle() {
+    link_.cycle(now_);
+    machine_.cycle(now_);
+    now_ += kCycle;
+  }
+
+  /// Runs until `state` is reached; false when the machine stops in a fault before.
+  bool cycle_until(State state) {
+    while (machine_.state() != state) {
+      if (machine_.state() == State::error || machine_.state() == State::estop) return false;
+      cycle();
+    }
+    return true;
+  }
+
+ private:
+  static std::unique_ptr<hal::sim::VirtualController> make_controller(
+      const config::MachineConfig& config) {
+    hal::sim::SimOptions options;
+    options.machine.start = Position{};
+    auto controller = hal::sim::make_virtual_controller(config, options);
+    // In-process: connecting cannot fail.
+    static_cast<void>(controller->connect());
+    return controller;
+  }
+
+  MessageLog log_;
+  std::unique_ptr<hal::sim::VirtualController> controller_;
+  hal::sim::VirtualMachine& virtual_machine_;
+  Link link_;
+  Machine machine_;
+  double now_ = 0.0;
+};
+
+/// Prompts are answered "go on".
+void run_job(Simulation& simulation) {
+  Machine& machine = simulation.machine();
+  do {
+    simulation.cycle();
+    if (machine.state() == State::tool_change || machine.state() == State::program_stop)
+      static_cast<void>(machine.resume());
+  } while (machine.state() == State::running);
+}
+
+struct Report {
+  TrajectorySummary trajectory;
+  AxisArray<std::uint64_t> lost_steps{};
+  bool good = false;
+  std::uint64_t lines = 0;
+  double simulated_time = 0.0;
+  std::vector<LogMessage> messages;
+};
+
+nlohmann::json per_axis(const Position& values) {
+  nlohmann::json out;
+  for (const Axis axis : kAllAxes) out[std::string(axis_name(axis))] = values[axis];
+  return out;
+}
+
+void print_json(const RunOptions& options, const Report& report) {
+  nlohmann::json lost;
+  for (const Axis axis : kAllAxes) lost[std::string(axis_name(axis))] = report.lost_steps[axis];
+  nlohmann::json errors = nlohmann::json::array();
+  nlohmann::json messages = nlohmann::json::array();
+  for (const LogMessage& message : report.messages) {
+    if (!message.error) {
+      messages.push_back(message.text);
+      continue;
+    }
+    nlohmann::json row{{"code", static_cast<unsigned>(message.error->code)},
+                       {"name", error_info(message.error->code).name},
+                       {"message", message.error->message}};
+    if (message.error->place) {
+      row["file"] = message.error->place->file;
+      row["line"] = message.error->place->line;
+      row["column"] = message.error->place->column;
+    }
+    errors.push_back(row);
+  }
+  const nlohmann::json out{{"file", options.file.string()},
+                           {"good", report.good},
+                           {"lines", report.lines},
+                           {"job_time", report.trajectory.time},
+                           {"simulated_time", report.simulated_time},
+                           {"distance", report.trajectory.distance},
+                           {"min", per_axis(report.trajectory.min)},
+                           {"max", per_axis(report.trajectory.max)},
+                           {"max_velocity", per_axis(report.trajectory.max_velocity)},
+                           {"max_acceleration", per_axis(report.trajectory.max_acceleration)},
+                           {"lost_steps", lost},
+                           {"errors", errors},
+                           {"messages", messages}};
+  fmt::print("{}\n", out.dump(2));
+}
+
+void print_text(const config::MachineConfig& config, const Report& report) {
+  for (const LogMessage& message : report.messages)
+    fmt::print("{}{}\n", message.error ? "error: " : "", message.text);
+  const TrajectorySummary& path = report.trajectory;
+  fmt::print("{} after {} lines\njob time  {:.3f} s\ndistance  {:.3f} mm\n\n",
+             report.good ? "done" : "STOPPED", report.lines, path.time, path.distance);
+  fmt::print("axis         from           to   max velocity  of limit   max accel.  of limit  lost steps\n");
+  for (const Axis axis : kAllAxes) {
+    const config::AxisConfig& limits = config.axes[axis];
+    if (!limits.connected()) continue;
+    fmt::print("{:4} {:12.4f} {:12.4f} {:14.3f} {:9.4f} {:12.2f} {:9.4f} {:11}\n", axis_name(axis),
+               path.min[axis], path.max[axis], path.max_velocity[axis],
+               path.max_velocity[axis] / limits.velocity, path.max_acceleration[axis],
+               path.max_acceleration[axis] / limits.acceleration, report.lost_steps[axis]);
+  }
+}
+
+int refuse(const Error& error) {
+  fmt::print(stderr, "cncsim: {}\n  {}\n", error.to_string(), error_info(error.code).check);
+  return kBadInput;
+}
+
+}  // namespace
+
+int run_command(const RunOptions& options) {
+  auto data = load_machine(options);
+  if (!data) {
+    for (const Error& error : data.error()) refuse(error);
+    return kBadInput;
+  }
+  auto program = interp::Program::open(options.file);
+  if (!program) return refuse(program.error());
+  // The simulated machine stands at machine zero and knows it.
+  data->config.safety.homing_mandatory = false;
+  data->analyse_jobs = false;  // the run itself is the prediction
+  const config::MachineConfig config = data->config;
+
+  std::optional<TrajectoryRecorder> recorder;
+  if (!options.record.empty()) {
+    auto created = TrajectoryRecorder::create(options.record, Position{});
+    if (!created) return refuse(created.error());
+    recorder.emplace(std::move(*created));
+  }
+
+  Simulation simulation(std::move(*data));
+  Machine& machine = simulation.machine();
+  TrajectoryStatistics statistics{Position{}};
+  machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) {
+    statistics.add(setpoint);
+    if (recorder) recorder->add(setpoint);
+  });
+
+  simulation.cycle_until(State::needs_reset);
+  machine.reset([](const Result<void>&) {});
+  simulation.cycle_until(State::ready);
+  const double begin = simulation.time();
+  static_cast<void>(machine.load(*program, options.file));
+  static_cast<void>(machine.run());
+  run_job(simulation);
+
+  Report report;
+  report.trajectory = statistics.summary();
+  report.simulated_time = simulation.time() - begin;
+  report.lines = (*program)->line_count();
+  report.messages = simulation.log().after(0);
+  const auto snapshot = machine.snapshots().newest();
+  report.good = snapshot->job.ended_well;
+  for (const Axis axis : kAllAxes)
+    report.lost_steps[axis] = simulation.virtual_machine().lost_steps(axis);
+
+  if (recorder)
+    if (auto finished = recorder->finish(); !finished) return refuse(finished.error());
+  if (options.json)
+    print_json(options, report);
+  else
+    print_text(config, report);
+  return report.good ? kGood : kJobFailed;
+}
+
+}  // namespace cnc::server

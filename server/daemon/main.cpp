@@ -1,0 +1,174 @@
+// cncserver: the daemon that owns the machine.
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
+
+#include <CLI/CLI.hpp>
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/signal_set.hpp>
+#include <boost/asio/steady_timer.hpp>
+#include <cstdio>
+#include <cstdlib>
+
+#include "hal/sim/virtual_controller.h"
+#include "server/daemon/data_folder.h"
+#include "server/daemon/link_thread.h"
+#include "server/daemon/task_thread.h"
+#include "server/rpc/grpc_server.h"
+#include "server/version.h"
+
+namespace cnc::server {
+namespace {
+
+constexpr std::chrono::microseconds kLinkPeriod{2000};
+constexpr std::chrono::microseconds kMachinePeriod{5000};
+constexpr std::chrono::seconds kStopTimeout{5};
+
+struct Options {
+  std::filesystem::path data = default_data_folder();
+  std::filesystem::path config;
+  std::filesystem::path jobs = std::filesystem::current_path();
+  std::vector<std::string> settings;
+  std::string socket;
+  std::vector<std::string> listen{"127.0.0.1:50871"};
+  std::string log_level = "info";
+};
+
+/// Where clients look when nobody tells them otherwise; libcncapi has the same rule.
+std::string default_socket() {
+  if (const char* run = std::getenv("XDG_RUNTIME_DIR"); run != nullptr && *run != '\0')
+    if (std::error_code ignored; std::filesystem::is_directory(run, ignored))
+      return fmt::format("{}/cncserver.sock", run);
+  return fmt::format("/tmp/cncserver-{}.sock", ::getuid());
+}
+
+/// Only this user's programs may command the machine through the socket.
+void protect_socket(const std::string& path) {
+  std::error_code ignored;
+  std::filesystem::permissions(path, std::filesystem::perms::owner_read |
+                                         std::filesystem::perms::owner_write,
+                               ignored);
+}
+
+void report(const config::Errors& errors) {
+  for (const Error& error : errors)
+    fmt::print(stderr, "cncserver: {}\n  {}\n", error.to_string(), error_info(error.code).check);
+}
+
+int report(const Error& error) {
+  report(config::Errors{error});
+  return EXIT_FAILURE;
+}
+
+/// Blocks until SIGTERM or SIGINT.
+void wait_for_signal() {
+  boost::asio::io_context context;
+  boost::asio::signal_set signals(context, SIGTERM, SIGINT);
+  signals.async_wait([](const boost::system::error_code&, int number) {
+    spdlog::info("Signal {}: stopping.", number);
+  });
+  context.run();
+}
+
+/// Lets the machine come to rest and save; gives up after a while.
+void stop_machine(TaskThread& executor, Machine& machine) {
+  executor.post([&machine] { machine.shut_down(); });
+  const auto deadline = std::chrono::steady_clock::now() + kStopTimeout;
+  std::atomic<bool> done{false};
+  while (!done && std::chrono::steady_clock::now() < deadline) {
+    executor.post([&] { done = machine.is_shut_down(); });
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  if (!done) spdlog::warn("The machine did not come to rest in time.");
+}
+
+int serve(const Options& options) {
+  auto folder = DataFolder::open(options.data);
+  if (!folder) return report(folder.error());
+  auto data = folder->load(options.config, options.settings);
+  if (!data) {
+    report(data.error());
+    return EXIT_FAILURE;
+  }
+
+  const std::string memory_refused = lock_memory();
+  auto controller = hal::sim::make_virtual_controller(data->config);
+  auto& virtual_machine = controller->machine();
+  if (auto connected = controller->connect(); !connected) return report(connected.error());
+
+  const Epoch epoch = std::chrono::steady_clock::now();
+  MessageLog log;
+  Link link(std::move(controller));
+  Machine machine(std::move(*data), link, log);
+  TaskThread files;
+  TaskThread fanout;
+  TaskThread executor;
+  LinkThread link_thread(link, epoch, kLinkPeriod);
+
+  rpc::Host host{machine, executor, link, log, fanout, files, options.jobs,
+                 "virtual CPU5 board", link_thread.priority_refused().empty(),
+                 std::chrono::duration<double>(kLinkPeriod).count(),
+                 [&virtual_machine](bool pressed) { virtual_machine.press_estop(pressed); }};
+  std::vector<std::string> addresses = options.listen;
+  addresses.insert(addresses.begin(), "unix://" + options.socket);
+  auto server = rpc::GrpcServer::start(host, addresses);
+  if (!server) return report(server.error());
+  protect_socket(options.socket);
+
+  if (!link_thread.priority_refused().empty() || !memory_refused.empty())
+    spdlog::warn("Running without real-time rights (priority: {}; memory: {}); docs/realtime.md "
+                 "says how to grant them.",
+                 link_thread.priority_refused().empty() ? "granted" : link_thread.priority_refused(),
+                 memory_refused.empty() ? "locked" : memory_refused);
+  executor.every(kMachinePeriod, [&] {
+    machine.cycle(seconds_since(epoch));
+    return true;
+  });
+  for (std::size_t i = 1; i < addresses.size(); ++i)
+    spdlog::info("Listening on {} (port {}).", addresses[i], (*server)->ports()[i]);
+  spdlog::info("cncserver {} is ready on unix://{}.", kServerVersion, options.socket);
+
+  wait_for_signal();
+  stop_machine(executor, machine);
+  server->reset();
+  executor.stop();
+  std::error_code ignored;
+  std::filesystem::remove(options.socket, ignored);
+  return EXIT_SUCCESS;
+}
+
+}  // namespace
+}  // namespace cnc::server
+
+int main(int argc, char** argv) {
+  using namespace cnc::server;
+  Options options;
+  options.socket = default_socket();
+
+  CLI::App app{"cncserver: owns the machine: G-code interpreter, motion planner and the link to the "
+               "controller board.\nClients (cncctl, cncgui, pendants) reach it through its API."};
+  app.add_option("--data", options.data, "Folder of the machine's configuration and state")
+      ->capture_default_str();
+  app.add_option("--config", options.config, "Configuration file instead of cnc.ini in the data folder")
+      ->check(CLI::ExistingFile);
+  app.add_option("--set", options.settings, "Overrides a setting: SECTION.key=value; may be repeated");
+  app.add_option("--jobs", options.jobs, "Folder in which relative job paths begin")
+      ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+  app.add_option("--socket", options.socket, "Unix socket for clients on this computer")
+      ->capture_default_str();
+  app.add_option("--listen", options.listen,
+                 "TCP addresses, HOST:PORT; port 0 takes any free one. No authentication: keep to "
+                 "loopback")
+      ->capture_default_str();
+  app.add_option("--log-level", options.log_level, "trace, debug, info, warn, error")
+      ->check(CLI::IsMember({"trace", "debug", "info", "warn", "error"}))
+      ->capture_default_str();
+  app.set_version_flag("--version", kServerVersion);
+  CLI11_PARSE(app, argc, argv);
+
+  spdlog::set_level(spdlog::level::from_str(options.log_level));
+  spdlog::set_pattern("%Y-%m-%d %H:%M:%S.%e %^%l%$ %v");
+  return serve(options);
+}

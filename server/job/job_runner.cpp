@@ -1,0 +1,241 @@
+#include "server/job/job_runner.h"
+
+#include <algorithm>
+#include <utility>
+#include <variant>
+
+#include "server/job/travel_limits.h"
+
+namespace cnc::server {
+
+using interp::SpindleDirection;
+
+namespace {
+
+template <class... Visitors>
+struct Overloaded : Visitors... {
+  using Visitors::operator()...;
+};
+
+/// What a command asks of the runner.
+enum class Role { motion, dwell, feed, path_mode, note, action };
+
+Role role_of(const interp::CommandBody& body) {
+  return std::visit(
+      Overloaded{
+          [](const interp::RapidMove&) { return Role::motion; },
+          [](const interp::FeedMove&) { return Role::motion; },
+          [](const interp::ArcMove&) { return Role::motion; },
+          [](const interp::Dwell&) { return Role::dwell; },
+          [](const interp::SetFeedRate&) { return Role::feed; },
+          [](const interp::SetPathMode&) { return Role::path_mode; },
+          [](const interp::SelectPlane&) { return Role::note; },
+          [](const interp::UseLengthUnit&) { return Role::note; },
+          [](const interp::SetWorkOffset&) { return Role::note; },
+          [](const interp::SetG92Offset&) { return Role::note; },
+          [](const interp::UseToolLength&) { return Role::note; },
+          [](const interp::SelectTool&) { return Role::note; },
+          [](const interp::EnableOverrides&) { return Role::note; },
+          [](const interp::Message&) { return Role::note; },
+          [](const interp::SetSpindleSpeed&) { return Role::note; },
+          [](const interp::SetCoolant&) { return Role::note; },
+          [](const interp::TurnSpindle&) { return Role::action; },
+          [](const interp::ChangeTool&) { return Role::action; },
+          [](const interp::ProgramStop&) { return Role::action; },
+          [](const interp::ProgramEnd&) { return Role::action; },
+      },
+      body);
+}
+
+JobEvent event_of(const interp::Command& command) {
+  JobEvent event{command, {}};
+  if (const auto* message = std::get_if<interp::Message>(&command.body)) event.text = message->text;
+  return event;
+}
+
+}  // namespace
+
+JobRunner::JobRunner(const config::MachineConfig& config, interp::Interpreter& interpreter,
+                     motion::Planner& planner)
+    : config_(config), interpreter_(interpreter), planner_(planner) {}
+
+void JobRunner::start(std::shared_ptr<const interp::Program> program, const Position& position) {
+  abandon();
+  planner_.set_position(position);
+  program_ = program;
+  interpreter_.start(std::move(program), position);
+  running_ = true;
+  program_over_ = false;
+  last_move_ = 0;
+}
+
+void JobRunner::abandon() {
+  interpreter_.stop();
+  planner_.clear();
+  planner_.resume();
+  running_ = false;
+  notes_.clear();
+  pending_action_.reset();
+  held_ = false;
+  dwell_left_ = 0.0;
+  drawn_.reset();
+  error_.reset();
+}
+
+JobRunner::Next JobRunner::next() {
+  if (!running_) return Next::ended;
+  fill_planner();
+  if (!drawn_) drawn_ = planner_.next();
+
+  if (note_is_due(drawn_.has_value(), drawn_ ? drawn_->tag.id : 0)) {
+    event_ = std::move(notes_.front().event);
+    notes_.pop_front();
+    return Next::note;
+  }
+  if (drawn_) {
+    setpoint_ = *drawn_;
+    drawn_.reset();
+    return Next::setpoint;
+  }
+  if (held_ || !planner_.idle()) return Next::held;
+  if (dwell_left_ > 0.0) {
+    take_dwell(config_.trajectory.interpolation_time);
+    return Next::setpoint;
+  }
+  if (pending_action_) {
+    event_ = *pending_action_;
+    return Next::action;
+  }
+  if (interpreter_busy_) return Next::busy;
+  running_ = false;
+  return error_ ? Next::failed : Next::ended;
+}
+
+void JobRunner::action_done() {
+  const interp::CommandBody& done = pending_action_->command.body;
+  if (const auto* turn = std::get_if<interp::TurnSpindle>(&done)) {
+    const bool starts = turn->direction != spindle_ && turn->direction != SpindleDirection::off;
+    if (starts) dwell_left_ = config_.spindle.ramp_up_time;
+    spindle_ = turn->direction;
+  }
+  if (std::holds_alternative<interp::ChangeTool>(done)) spindle_ = SpindleDirection::off;
+  pending_action_.reset();
+}
+
+void JobRunner::hold() {
+  held_ = true;
+  planner_.hold();
+}
+
+void JobRunner::resume() {
+  held_ = false;
+  planner_.resume();
+}
+
+bool JobRunner::note_is_due(bool has_setpoint, std::uint64_t move) const {
+  if (notes_.empty()) return false;
+  return has_setpoint ? notes_.front().after_move < move : planner_.idle();
+}
+
+/// Pulls commands until the planner has enough, or one of them has to wait for standstill.
+void JobRunner::fill_planner() {
+  // Between moves the program may say very much (messages, offsets); bounded per call like lines.
+  constexpr std::size_t kMaxNotes = 1000;
+  interpreter_busy_ = false;
+  while (!program_over_ && !pending_action_ && dwell_left_ == 0.0 && !planner_.full()) {
+    if (notes_.size() >= kMaxNotes) return;
+    switch (interpreter_.next()) {
+      case interp::Progress::command: take(interpreter_.command()); break;
+      case interp::Progress::working: interpreter_busy_ = true; return;
+      case interp::Progress::failed:
+        error_ = interpreter_.diagnostic().to_error();
+        program_over_ = true;
+        break;
+      case interp::Progress::ended: program_over_ = true; break;
+    }
+  }
+}
+
+void JobRunner::take(const interp::Command& command) {
+  switch (role_of(command.body)) {
+    case Role::motion:
+      if (auto queued = queue_motion(command); !queued)
+        fail_with(std::move(queued.error()), command.source);
+      break;
+    case Role::dwell: dwell_left_ = std::get<interp::Dwell>(command.body).duration; break;
+    case Role::feed: feed_ = std::get<interp::SetFeedRate>(command.body); break;
+    case Role::path_mode: path_mode_ = std::get<interp::SetPathMode>(command.body); break;
+    case Role::note: notes_.push_back({last_move_, event_of(command)}); break;
+    case Role::action: pending_action_ = event_of(command); break;
+  }
+}
+
+Result<void> JobRunner::queue_motion(const interp::Command& command) {
+  return std::visit(
+      Overloaded{
+          [&](const interp::RapidMove& move) -> Result<void> {
+            return queue_line(move.end, options_for(command, motion::MoveKind::rapid, move.end));
+          },
+          [&](const interp::FeedMove& move) -> Result<void> {
+            return queue_line(move.end, options_for(command, motion::MoveKind::feed, move.end));
+          },
+          [&](const interp::ArcMove& move) -> Result<void> {
+            return queue_arc({move.end, move.plane, move.first_centre, move.second_centre, move.turns},
+                             options_for(command, motion::MoveKind::feed, move.end));
+          },
+          [](const auto&) -> Result<void> { return {}; },
+      },
+      command.body);
+}
+
+Result<void> JobRunner::queue_line(const Position& end, const motion::MoveOptions& options) {
+  const auto extents = motion::extents_of_line(planner_.queue_end(), end);
+  if (auto inside = check_travel(config_, extents); !inside) return inside;
+  return planner_.add_line(end, options);
+}
+
+Result<void> JobRunner::queue_arc(const motion::ArcShape& shape,
+                                  const motion::MoveOptions& options) {
+  const auto arc = motion::make_arc(planner_.queue_end(), shape);
+  if (!arc) return std::unexpected(arc.error());
+  if (auto inside = check_travel(config_, motion::extents_of_arc(*arc)); !inside) return inside;
+  return planner_.add_arc(shape, options);
+}
+
+motion::MoveOptions JobRunner::options_for(const interp::Command& command, motion::MoveKind kind,
+                                           const Position& end) {
+  motion::MoveOptions options;
+  options.kind = kind;
+  options.feed = feed_for(end);
+  options.stop_at_end = path_mode_.mode == interp::PathMode::exact_stop;
+  options.laf_angle = path_mode_.laf_angle;
+  options.tag = {++last_move_, command.source.file == 0 ? command.source.line : 0};
+  return options;
+}
+
+/// The feed along the path in mm/s. Inverse time: the whole move takes 1/F.
+double JobRunner::feed_for(const Position& end) const {
+  if (feed_.mode != interp::FeedMode::inverse_time) return feed_.feed;
+  const Position way = end - planner_.queue_end();
+  const double length = linear_length(way);
+  return feed_.feed * (length > 0.0 ? length : rotary_length(way));
+}
+
+void JobRunner::fail_with(Error error, interp::SourceLine source) {
+  if (!error.place) error.place = TextPlace{program_->name(), source.line, 0};
+  error_ = std::move(error);
+  program_over_ = true;
+}
+
+/// A dwell is motion that goes nowhere: it then takes exactly its time on the board's clock.
+void JobRunner::take_dwell(double slice) {
+  setpoint_ = {};
+  setpoint_.duration = std::min(slice, dwell_left_);
+  // A rest too short for a setpoint of its own is spent at once.
+  if (dwell_left_ - setpoint_.duration < 0.5 * slice) setpoint_.duration = dwell_left_;
+  setpoint_.position = planner_.position();
+  setpoint_.tag = {last_move_, 0};
+  dwell_left_ -= setpoint_.duration;
+}
+
+}  // namespace cnc::server

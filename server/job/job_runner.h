@@ -1,0 +1,103 @@
+// From a program to setpoints: the only translator between the interpreter and the planner.
+//
+// A plain object that is pulled, with no thread and no clock. next() says what comes next in the
+// order of execution: a setpoint; an action that has to wait until the machine stands still (spindle
+// on or off, tool change, stop, end); or a note that belongs to that instant but stops nothing (a
+// message, coolant, a new speed or work offset). The real run, the prediction of job time and the simulator use this
+// same object and differ only in what they do with the answers.
+#pragma once
+
+#include <cstdint>
+#include <deque>
+#include <memory>
+#include <optional>
+#include <string>
+
+#include "config/machine_config.h"
+#include "interpreter/interpreter.h"
+#include "motion/planner.h"
+
+namespace cnc::server {
+
+/// A canonical command to be acted on outside the planner. `text` is the message's own copy.
+struct JobEvent {
+  interp::Command command;
+  std::string text;
+};
+
+class JobRunner {
+ public:
+  enum class Next : std::uint8_t {
+    setpoint,  ///< setpoint()
+    note,      ///< event(): show it, go on
+    action,    ///< event(): perform it once the machine stands still, then call action_done()
+    busy,      ///< the interpreter's line budget ran out, call again
+    held,      ///< standing still after hold()
+    ended,     ///< every setpoint and action has been handed out
+    failed,    ///< error(); everything before the faulty line has been handed out
+  };
+
+  /// All references outlive the runner. `start` is where the machine stands.
+  JobRunner(const config::MachineConfig& config, interp::Interpreter& interpreter,
+            motion::Planner& planner);
+
+  /// Starts a program; the machine stands at `position`.
+  void start(std::shared_ptr<const interp::Program> program, const Position& position);
+
+  [[nodiscard]] Next next();
+  [[nodiscard]] const motion::Setpoint& setpoint() const { return setpoint_; }
+  [[nodiscard]] const JobEvent& event() const { return event_; }
+  [[nodiscard]] const Error& error() const { return *error_; }
+  void action_done();
+
+  /// Brakes along the path; next() answers `held` once everything until standstill is handed out.
+  /// A dwell stands still as it is and goes on where it was interrupted.
+  void hold();
+  void resume();
+
+  /// Drops what is left of the program. Only when standing still.
+  void abandon();
+  [[nodiscard]] bool running() const { return running_; }
+
+ private:
+  void fill_planner();
+  void take(const interp::Command& command);
+  void take_dwell(double seconds);
+  [[nodiscard]] Result<void> queue_motion(const interp::Command& command);
+  [[nodiscard]] Result<void> queue_line(const Position& end, const motion::MoveOptions& options);
+  [[nodiscard]] Result<void> queue_arc(const motion::ArcShape& shape,
+                                       const motion::MoveOptions& options);
+  [[nodiscard]] motion::MoveOptions options_for(const interp::Command& command,
+                                                motion::MoveKind kind, const Position& end);
+  [[nodiscard]] double feed_for(const Position& end) const;
+  void fail_with(Error error, interp::SourceLine source);
+  [[nodiscard]] bool note_is_due(bool has_setpoint, std::uint64_t move) const;
+
+  const config::MachineConfig& config_;
+  interp::Interpreter& interpreter_;
+  motion::Planner& planner_;
+
+  bool running_ = false;
+  bool program_over_ = false;
+  std::uint64_t last_move_ = 0;
+  interp::SetFeedRate feed_;
+  interp::SetPathMode path_mode_;
+
+  struct DueNote {
+    std::uint64_t after_move = 0;
+    JobEvent event;
+  };
+  std::deque<DueNote> notes_;
+  std::optional<JobEvent> pending_action_;  ///< the planner runs empty, then it is handed out
+  bool held_ = false;
+  double dwell_left_ = 0.0;                 ///< s; G4, or a spindle that runs up
+  interp::SpindleDirection spindle_ = interp::SpindleDirection::off;
+  bool interpreter_busy_ = false;
+  std::optional<motion::Setpoint> drawn_;   ///< drawn from the planner, a note goes first
+  motion::Setpoint setpoint_;
+  JobEvent event_;
+  std::optional<Error> error_;
+  std::shared_ptr<const interp::Program> program_;
+};
+
+}  // namespace cnc::server

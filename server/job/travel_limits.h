@@ -1,0 +1,14 @@
+// Soft limits: may the machine go there at all (STA-6).
+#pragma once
+
+#include "config/machine_config.h"
+#include "motion/extents.h"
+
+namespace cnc::server {
+
+/// Refuses an extent that leaves the limits of a connected axis, naming axis, value and limit, and
+/// any motion of an axis that is not connected.
+[[nodiscard]] Result<void> check_travel(const config::MachineConfig& config,
+                                        const motion::Extents& extents);
+
+}  // namespace cnc::server

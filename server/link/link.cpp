@@ -1,0 +1,81 @@
+#include "server/link/link.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace cnc::server {
+
+Link::Link(std::unique_ptr<hal::Controller> controller) : controller_(std::move(controller)) {}
+
+bool Link::push(const LinkItem& item) {
+  if (!queue_.push(item)) return false;
+  ++pushed_;
+  return true;
+}
+
+void Link::cycle(double now) {
+  if (quick_stop_.exchange(false, std::memory_order_acq_rel)) {
+    controller_->quick_stop();
+    drop_queue();
+  }
+  deliver();
+  LinkStatus& status = status_.back();
+  status.board = controller_->exchange(now);
+  // A board in fault takes nothing; what was meant for it would be wrong after the fault is cleared.
+  if (status.board.faults != 0) drop_queue();
+  status.items_done = items_done_;
+  if (status.board.moving && status.board.fifo_count > 0) {
+    auto& lowest = statistics_.lowest_fifo_time;
+    if (status.board.fifo_time < lowest.load(std::memory_order_relaxed))
+      lowest.store(status.board.fifo_time, std::memory_order_relaxed);
+  }
+  status_.publish();
+}
+
+void Link::deliver() {
+  while (queue_.read_available() > 0 && deliver(queue_.front())) {
+    queue_.pop();
+    ++items_done_;
+  }
+}
+
+bool Link::deliver(const LinkItem& item) {
+  struct Visitor {
+    hal::Controller& board;
+    bool operator()(const hal::Segment& segment) const { return board.push({&segment, 1}) == 1; }
+    bool operator()(const SetOutputs& set) const {
+      board.set_outputs(set.outputs);
+      return true;
+    }
+    bool operator()(const ClearFaults&) const {
+      board.clear_faults();
+      return true;
+    }
+    bool operator()(const SetPosition& set) const {
+      for (const Axis axis : kAllAxes)
+        if (set.axes[axis]) board.set_position(axis, set.position[axis]);
+      return true;
+    }
+    bool operator()(const ArmLatch& arm) const {
+      board.arm_home_latch(arm.axis, arm.edge);
+      return true;
+    }
+    bool operator()(const DisarmLatch& disarm) const {
+      board.disarm_home_latch(disarm.axis);
+      return true;
+    }
+  };
+  return std::visit(Visitor{*controller_}, item);
+}
+
+void Link::drop_queue() {
+  while (queue_.read_available() > 0) {
+    // Faults are cleared by an item in this very queue: it must survive, or the machine could never
+    // leave the fault.
+    if (std::holds_alternative<ClearFaults>(queue_.front())) controller_->clear_faults();
+    queue_.pop();
+    ++items_done_;
+  }
+}
+
+}  // namespace cnc::server

@@ -1,0 +1,101 @@
+// The passage between the machine (executor thread) and the controller board (link thread).
+//
+// The executor pushes items: segments and commands, in the order in which they have to happen. The
+// link thread calls cycle() at a fixed pace: it moves items to the board as far as the board takes
+// them, exchanges, and publishes the board's status. Neither side waits for the other. cncsim and
+// tests call both sides from one thread.
+#pragma once
+
+#include <atomic>
+#include <boost/lockfree/spsc_queue.hpp>
+#include <cstdint>
+#include <memory>
+#include <variant>
+
+#include "hal/controller.h"
+#include "server/link/histogram.h"
+#include "server/link/triple_buffer.h"
+
+namespace cnc::server {
+
+struct SetOutputs {
+  hal::Outputs outputs;
+};
+struct ClearFaults {};
+struct SetPosition {
+  AxisArray<bool> axes{};
+  Position position;
+};
+struct ArmLatch {
+  Axis axis = Axis::X;
+  hal::LatchEdge edge = hal::LatchEdge::activate;
+};
+struct DisarmLatch {
+  Axis axis = Axis::X;
+};
+
+using LinkItem =
+    std::variant<hal::Segment, SetOutputs, ClearFaults, SetPosition, ArmLatch, DisarmLatch>;
+
+struct LinkStatus {
+  hal::ControllerStatus board;
+  std::uint64_t items_done = 0;  ///< items that have reached the board, since the link was made
+};
+
+struct LinkStatistics {
+  std::atomic<std::uint64_t> cycles{0};
+  TimeHistogram lateness;  ///< start of a cycle after its due time
+  TimeHistogram work;      ///< duration of a cycle
+  std::atomic<double> lowest_fifo_time{kNeverMoved};  ///< while moving with more to come
+
+  static constexpr double kNeverMoved = 1e9;
+
+  void reset() {
+    cycles.store(0, std::memory_order_relaxed);
+    lateness.reset();
+    work.reset();
+    lowest_fifo_time.store(kNeverMoved, std::memory_order_relaxed);
+  }
+};
+
+class Link {
+ public:
+  static constexpr std::size_t kCapacity = 4096;
+
+  explicit Link(std::unique_ptr<hal::Controller> controller);
+
+  // --- executor thread -----------------------------------------------------------------------
+
+  /// False when the queue is full: try again in the next cycle.
+  bool push(const LinkItem& item);
+  [[nodiscard]] std::size_t space() const { return queue_.write_available(); }
+  /// Number of items pushed so far; when status().items_done reaches it the board has them all.
+  [[nodiscard]] std::uint64_t pushed() const { return pushed_; }
+  /// Overtakes everything: pulses stop at once, queued items are dropped (and count as done).
+  void quick_stop() { quick_stop_.store(true, std::memory_order_release); }
+  [[nodiscard]] const LinkStatus& status() { return status_.read(); }
+
+  // --- link thread: real-time, no allocation, no lock --------------------------------------------
+
+  void cycle(double now);
+
+  // --- any thread --------------------------------------------------------------------------------
+
+  [[nodiscard]] LinkStatistics& statistics() { return statistics_; }
+
+ private:
+  void deliver();
+  /// False when the board has no room for it yet.
+  bool deliver(const LinkItem& item);
+  void drop_queue();
+
+  std::unique_ptr<hal::Controller> controller_;
+  boost::lockfree::spsc_queue<LinkItem, boost::lockfree::capacity<kCapacity>> queue_;
+  TripleBuffer<LinkStatus> status_;
+  std::atomic<bool> quick_stop_{false};
+  std::uint64_t pushed_ = 0;      // executor's
+  std::uint64_t items_done_ = 0;  // link thread's
+  LinkStatistics statistics_;
+};
+
+}  // namespace cnc::server

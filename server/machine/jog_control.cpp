@@ -1,0 +1,100 @@
+#include "server/machine/jog_control.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "server/job/settings.h"
+
+namespace cnc::server {
+namespace {
+
+/// Seconds of motion under way while jogging: what a released key still moves at full speed. Far
+/// below FifoTime, far above the jitter of a busy computer.
+constexpr double kLead = 0.06;
+/// Part of the maximum velocity that is allowed before homing, when homing is mandatory (STA-5).
+constexpr double kUnhomedRate = 0.05;
+
+}  // namespace
+
+JogControl::JogControl(const config::MachineConfig& config, MotionFeed& feed)
+    : config_(config),
+      feed_(feed),
+      planner_(axis_limits(config), config.trajectory.interpolation_time, Position{}) {}
+
+/// The first command of a motion: from where the machine stands, within the travel of homed axes.
+void JogControl::begin(const AxisArray<bool>& homed) {
+  if (active_) return;
+  error_.reset();
+  planner_.set_position(feed_.commanded());
+  for (const Axis axis : kAllAxes) {
+    const config::AxisConfig& limits = config_.axes[axis];
+    planner_.set_travel(axis, homed[axis] ? motion::TravelRange{limits.negative_limit,
+                                                                limits.positive_limit}
+                                          : motion::TravelRange{});
+  }
+  feed_.begin_motion(homed);
+}
+
+double JogControl::allowed_rate(double rate, const AxisArray<bool>& homed) const {
+  const bool all_homed = std::ranges::all_of(kAllAxes, [&](Axis axis) {
+    return homed[axis] || !config_.axes[axis].connected();
+  });
+  const double highest = config_.safety.homing_mandatory && !all_homed ? kUnhomedRate : 1.0;
+  return std::clamp(rate, -highest, highest);
+}
+
+Result<void> JogControl::set_rates(const Position& rates, double until,
+                                   const AxisArray<bool>& homed) {
+  for (const Axis axis : kAllAxes)
+    if (rates[axis] != 0.0 && !config_.axes[axis].connected())
+      return fail(ErrorCode::axis_not_connected,
+                  "Axis " + std::string(axis_name(axis)) + " is not connected.");
+  begin(homed);
+  for (const Axis axis : kAllAxes) {
+    if (!config_.axes[axis].connected()) continue;
+    const double velocity = allowed_rate(rates[axis], homed) * config_.axes[axis].velocity;
+    if (auto set = planner_.set_velocity(axis, velocity); !set) return set;
+  }
+  leased_ = true;
+  lease_end_ = until;
+  active_ = true;
+  return {};
+}
+
+Result<void> JogControl::step(Axis axis, double distance, double rate,
+                              const AxisArray<bool>& homed) {
+  if (!config_.axes[axis].connected())
+    return fail(ErrorCode::axis_not_connected,
+                "Axis " + std::string(axis_name(axis)) + " is not connected.");
+  begin(homed);
+  const double speed = allowed_rate(rate, homed) * config_.axes[axis].velocity;
+  if (auto moved = planner_.move_by(axis, distance, speed); !moved) return moved;
+  active_ = true;
+  return {};
+}
+
+void JogControl::stop() {
+  planner_.stop();
+  leased_ = false;
+}
+
+void JogControl::drop() {
+  active_ = leased_ = false;
+  planner_ = motion::JogPlanner(axis_limits(config_), config_.trajectory.interpolation_time,
+                                feed_.commanded());
+}
+
+void JogControl::cycle(double now) {
+  if (leased_ && now >= lease_end_) stop();
+  while (feed_.wants_more(kLead)) {
+    const auto setpoint = planner_.next();
+    if (!setpoint) break;
+    if (auto sent = feed_.emit(*setpoint); !sent) {
+      error_ = std::move(sent.error());
+      return drop();
+    }
+  }
+  if (planner_.standing() && !leased_ && feed_.at_rest()) active_ = false;
+}
+
+}  // namespace cnc::server

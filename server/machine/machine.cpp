@@ -1,0 +1,244 @@
+// Commands: what is asked of the machine, and whether it is allowed now.
+#include "server/machine/machine.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/job/settings.h"
+
+namespace cnc::server {
+namespace {
+
+Result<void> check_factor(std::string_view name, double value, double highest) {
+  if (value >= 0.0 && value <= highest) return {};
+  return fail(ErrorCode::value_out_of_range,
+              fmt::format("The {} override is {} %; it can be 0 to {} %.", name, 100.0 * value,
+                          100.0 * highest));
+}
+
+}  // namespace
+
+Machine::Machine(MachineData data, Link& link, MessageLog& log)
+    : data_(std::move(data)),
+      log_(log),
+      feed_(link, data_.config),
+      io_(data_.config, feed_),
+      interpreter_(interpreter_settings(data_.config), data_.parameters, data_.tools),
+      job_(data_.config, interpreter_, data_.parameters, feed_, io_, log_),
+      homing_(data_.config, feed_),
+      jog_(data_.config, feed_),
+      saver_(data_.parameter_file, log_) {}
+
+Machine::~Machine() {
+  const auto stopped = fail(ErrorCode::server_stopping, "The server is shutting down.");
+  for (Waiter& waiter : std::exchange(waiters_, {})) waiter.done(stopped);
+}
+
+Result<void> Machine::allow(CommandKind command) const {
+  if (shutting_down_) return fail(ErrorCode::server_stopping, "The server is shutting down.");
+  if (reset_wanted_ && command != CommandKind::set_override)
+    return fail(ErrorCode::command_not_allowed, "The machine is being reset: wait for its end.");
+  if (auto reason = refusal(command, state_))
+    return fail(ErrorCode::command_not_allowed, std::move(*reason));
+  return {};
+}
+
+void Machine::wait_for(WaitFor what, Completion done) {
+  waiters_.push_back({what, std::move(done)});
+}
+
+void Machine::settle(WaitFor what, const Result<void>& result) {
+  // A completion may call the machine again: take the waiters out before calling any of them.
+  std::vector<Completion> done;
+  std::erase_if(waiters_, [&](Waiter& waiter) {
+    if (waiter.what != what) return false;
+    done.push_back(std::move(waiter.done));
+    return true;
+  });
+  for (Completion& completion : done) completion(result);
+}
+
+void Machine::reset(Completion done) {
+  if (auto allowed = allow(CommandKind::reset); !allowed) return done(allowed);
+  wait_for(WaitFor::reset, std::move(done));
+  begin_stop();
+  reset_wanted_ = true;
+  reset_deadline_ = 0.0;  // counts from when the machine stands
+}
+
+void Machine::home(std::vector<Axis> axes, Completion done) {
+  if (auto allowed = allow(CommandKind::home); !allowed) return done(allowed);
+  if (axes.empty()) axes = Homing::default_order(data_.config);
+  for (const Axis axis : axes)
+    if (!data_.config.axes[axis].connected())
+      return done(fail(ErrorCode::axis_not_connected,
+                       fmt::format("Axis {} is not connected; it cannot be homed.",
+                                   axis_name(axis))));
+  for (const Axis axis : axes) homed_[axis] = false;
+  wait_for(WaitFor::home, std::move(done));
+  homing_.start(std::move(axes));
+  enter(State::homing);
+}
+
+void Machine::mdi(const std::string& line, Completion done) {
+  if (auto allowed = allow(CommandKind::mdi); !allowed) return done(allowed);
+  auto program = interp::Program::from_text(line, "single line");
+  if (!program) return done(std::unexpected(program.error()));
+  wait_for(WaitFor::mdi, std::move(done));
+  single_line_ = true;
+  job_.start(std::move(*program), JobControl::Kind::single_line);
+  enter(State::mdi);
+}
+
+Result<void> Machine::load(std::shared_ptr<const interp::Program> program, std::string path) {
+  if (auto allowed = allow(CommandKind::load); !allowed) return allowed;
+  program_ = std::move(program);
+  program_path_ = std::move(path);
+  findings_.reset();
+  elapsed_ = 0.0;
+  move_ = line_ = runs_ = 0;
+  ended_well_ = false;
+  analysis_.reset();
+  if (data_.analyse_jobs)
+    analysis_ = std::make_unique<JobAnalysis>(PredictionInput{
+        data_.config, program_, data_.parameters, data_.tools, feed_.commanded()});
+  log_.add(Severity::info,
+           fmt::format("Loaded {} ({} lines).", program_path_, program_->line_count()));
+  return {};
+}
+
+Result<void> Machine::run() {
+  if (auto allowed = allow(CommandKind::run); !allowed) return allowed;
+  if (!program_) return fail(ErrorCode::no_job, "No job is loaded: load a file first.");
+  elapsed_ = 0.0;
+  move_ = line_ = 0;
+  single_line_ = false;
+  job_.start(program_, JobControl::Kind::job);
+  enter(State::running);
+  return {};
+}
+
+void Machine::pause(Completion done) {
+  if (auto allowed = allow(CommandKind::pause); !allowed) return done(allowed);
+  wait_for(WaitFor::pause, std::move(done));
+  job_.hold();
+  enter(State::pausing);
+}
+
+Result<void> Machine::resume() {
+  if (auto allowed = allow(CommandKind::resume); !allowed) return allowed;
+  job_.resume();
+  enter(single_line_ ? State::mdi : State::running);
+  return {};
+}
+
+void Machine::stop(Completion done) {
+  if (auto allowed = allow(CommandKind::stop); !allowed) return done(allowed);
+  wait_for(WaitFor::rest, std::move(done));
+  begin_stop();
+}
+
+Result<void> Machine::rewind() {
+  if (auto allowed = allow(CommandKind::rewind); !allowed) return allowed;
+  elapsed_ = 0.0;
+  move_ = line_ = 0;
+  return {};
+}
+
+Result<void> Machine::jog(const Position& rates, double lease) {
+  if (auto allowed = allow(CommandKind::jog); !allowed) return allowed;
+  if (auto set = jog_.set_rates(rates, now_ + lease, homed_); !set) return set;
+  if (jog_.active()) enter(State::jogging);
+  return {};
+}
+
+Result<void> Machine::jog_step(Axis axis, double distance, double rate) {
+  if (auto allowed = allow(CommandKind::jog); !allowed) return allowed;
+  if (auto stepped = jog_.step(axis, distance, rate, homed_); !stepped) return stepped;
+  if (jog_.active()) enter(State::jogging);
+  return {};
+}
+
+void Machine::jog_stop() { jog_.stop(); }
+
+Result<Overrides> Machine::set_overrides(const Overrides& overrides) {
+  constexpr double kHighest = 3.0;
+  for (const auto& checked : {check_factor("feed", overrides.feed, kHighest),
+                              check_factor("rapid", overrides.rapid, 1.0),
+                              check_factor("speed", overrides.speed, kHighest)})
+    if (!checked) return std::unexpected(checked.error());
+  job_.set_overrides(overrides);
+  return overrides;
+}
+
+/// As G10 L20: the offset of the active system is what makes the present position read `value`.
+Result<void> Machine::set_work_zero(const std::vector<WorkCoordinate>& coordinates) {
+  if (auto allowed = allow(CommandKind::set_work_zero); !allowed) return allowed;
+  if (coordinates.empty())
+    return fail(ErrorCode::value_out_of_range, "Name at least one axis to set the work zero of.");
+  const ShownOffsets shown = job_.offsets();
+  Position offset = shown.work;
+  AxisArray<bool> named{};
+  for (const auto& [axis, value] : coordinates) {
+    if (std::exchange(named[axis], true) || !std::isfinite(value))
+      return fail(ErrorCode::value_out_of_range,
+                  fmt::format("The work coordinate of {} is given twice or is no number.",
+                              axis_name(axis)));
+    offset[axis] = feed_.commanded()[axis] - shown.g92[axis] - shown.tool[axis] - value;
+  }
+  data_.parameters.set_work_offset(shown.system, offset);
+  save_parameters();
+  return {};
+}
+
+void Machine::shut_down() {
+  shutting_down_ = true;
+  begin_stop();
+  io_.all_off();
+  save_parameters();
+}
+
+bool Machine::is_shut_down() const {
+  return shutting_down_ && !job_.active() && !homing_.active() && !jog_.active() &&
+         (state_ == State::off || feed_.at_rest());
+}
+
+/// Slows down whatever moves; come_to_rest() follows when it stands.
+void Machine::begin_stop() {
+  jog_.stop();
+  homing_.stop();
+  switch (state_) {
+    case State::running:
+    case State::mdi:
+    case State::pausing:
+      job_.hold();
+      enter(State::stopping);
+      break;
+    case State::paused:
+    case State::program_stop:
+    case State::tool_change:
+      end_job(fail(ErrorCode::command_interrupted, "The job was stopped."));
+      break;
+    default: break;
+  }
+}
+
+bool Machine::all_homed() const {
+  return std::ranges::all_of(kAllAxes, [&](Axis axis) {
+    return homed_[axis] || !data_.config.axes[axis].connected();
+  });
+}
+
+State Machine::resting_state() const {
+  if (!feed_.board().connected) return State::off;
+  if (!io_.outputs().drives_enabled) return State::needs_reset;
+  if (data_.config.safety.homing_mandatory && !all_homed()) return State::needs_homing;
+  return State::ready;
+}
+
+std::shared_ptr<const JobFindings> Machine::findings() const { return findings_; }
+
+}  // namespace cnc::server

@@ -1,0 +1,152 @@
+// The machine: the one owner of its state.
+//
+// Every command and every cycle runs on the executor thread (or in the simulator's loop); nothing
+// here locks, sleeps or waits. Commands that take time answer through a completion, which is called
+// exactly once, on the same thread. A command that the state does not allow is refused at once with
+// the sentence of the state table and changes nothing.
+//
+//   cycle():  link status ─► faults ─► job / homing / jog ─► segments ─► snapshot
+#pragma once
+
+#include <cstdint>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "config/machine_config.h"
+#include "config/parameter_store.h"
+#include "config/tool_table.h"
+#include "server/job/job_analysis.h"
+#include "server/job/job_control.h"
+#include "server/machine/homing.h"
+#include "server/machine/jog_control.h"
+#include "server/machine/machine_io.h"
+#include "server/machine/message_log.h"
+#include "server/machine/motion_feed.h"
+#include "server/machine/persistence.h"
+#include "server/machine/snapshot.h"
+
+namespace cnc::server {
+
+using Completion = std::function<void(Result<void>)>;
+
+struct MachineData {
+  config::MachineConfig config;
+  config::ParameterStore parameters;
+  config::ToolTable tools;
+  std::filesystem::path parameter_file;  ///< empty: nothing is saved
+  bool analyse_jobs = true;              ///< check and predict a loaded job in the background
+};
+
+struct WorkCoordinate {
+  Axis axis = Axis::X;
+  double value = 0.0;
+};
+
+class Machine {
+ public:
+  Machine(MachineData data, Link& link, MessageLog& log);
+  ~Machine();
+
+  /// To be called at a steady pace, every few milliseconds; `now` is a monotonic clock in seconds.
+  void cycle(double now);
+
+  void reset(Completion done);
+  /// Homes `axes` one after the other; none given: all connected axes, Z first.
+  void home(std::vector<Axis> axes, Completion done);
+  void mdi(const std::string& line, Completion done);
+  void pause(Completion done);
+  void stop(Completion done);
+  Result<void> run();
+  Result<void> resume();
+  Result<void> rewind();
+  Result<void> load(std::shared_ptr<const interp::Program> program, std::string path);
+  /// Rates are parts of the maximum velocity, -1 … 1; the machine stops when `lease` seconds pass
+  /// without another call.
+  Result<void> jog(const Position& rates, double lease);
+  Result<void> jog_step(Axis axis, double distance, double rate);
+  void jog_stop();
+  Result<Overrides> set_overrides(const Overrides& overrides);
+  Result<void> set_work_zero(const std::vector<WorkCoordinate>& coordinates);
+  /// Brings everything to a standstill and saves; for the end of the program.
+  void shut_down();
+  [[nodiscard]] bool is_shut_down() const;
+
+  [[nodiscard]] State state() const { return state_; }
+  [[nodiscard]] const Overrides& overrides() const { return job_.overrides(); }
+  [[nodiscard]] const config::MachineConfig& config() const { return data_.config; }
+  [[nodiscard]] std::shared_ptr<const interp::Program> program() const { return program_; }
+  [[nodiscard]] std::shared_ptr<const JobFindings> findings() const;
+  /// Thread-safe.
+  [[nodiscard]] const SnapshotBoard& snapshots() const { return snapshots_; }
+  /// Every setpoint that leaves, for recorders.
+  void set_setpoint_listener(std::function<void(const motion::Setpoint&)> listener) {
+    feed_.set_listener(std::move(listener));
+  }
+
+ private:
+  enum class WaitFor : std::uint8_t { reset, home, mdi, pause, rest };
+  struct Waiter {
+    WaitFor what;
+    Completion done;
+  };
+
+  [[nodiscard]] Result<void> allow(CommandKind command) const;
+  void wait_for(WaitFor what, Completion done);
+  void settle(WaitFor what, const Result<void>& result);
+  void enter(State state) { state_ = state; }
+  [[nodiscard]] State resting_state() const;
+  [[nodiscard]] bool all_homed() const;
+
+  void watch_board();
+  void on_fault(hal::Faults faults);
+  void lose_position_of_moving_axes();
+  void cycle_job();
+  void on_job_signal(JobSignal signal);
+  void cycle_homing();
+  void cycle_jog();
+  void cycle_reset();
+  void begin_stop();
+  void end_job(const Result<void>& result);
+  void come_to_rest();
+  void save_parameters() { saver_.save(data_.parameters); }
+  [[nodiscard]] MachineSnapshot take_snapshot();
+  [[nodiscard]] JobSnapshot take_job_snapshot();
+
+  MachineData data_;
+  MessageLog& log_;
+  MotionFeed feed_;
+  MachineIo io_;
+  interp::Interpreter interpreter_;
+  JobControl job_;
+  Homing homing_;
+  JogControl jog_;
+  ParameterSaver saver_;
+  SnapshotBoard snapshots_;
+
+  State state_ = State::off;
+  double now_ = 0.0;
+  double last_cycle_ = 0.0;
+  std::uint64_t sequence_ = 0;
+  AxisArray<bool> homed_{};
+  std::vector<Waiter> waiters_;
+  bool single_line_ = false;      // what job_ executes is an MDI line
+  bool reset_wanted_ = false;
+  double reset_deadline_ = 0.0;
+  bool shutting_down_ = false;
+
+  std::shared_ptr<const interp::Program> program_;
+  std::string program_path_;
+  std::unique_ptr<JobAnalysis> analysis_;
+  std::shared_ptr<const JobFindings> findings_;
+  double elapsed_ = 0.0;
+  std::uint64_t move_ = 0;        // of the job, in execution
+  std::uint64_t line_ = 0;
+  std::uint64_t runs_ = 0;
+  bool ended_well_ = false;
+};
+
+}  // namespace cnc::server

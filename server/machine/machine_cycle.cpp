@@ -1,0 +1,220 @@
+// The machine's cycle: what happens by itself, every few milliseconds.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "server/machine/machine.h"
+
+namespace cnc::server {
+namespace {
+
+constexpr double kResetTimeout = 2.0;  // s for a board to clear faults and switch its drives on
+
+struct FaultText {
+  hal::Fault fault;
+  ErrorCode code;
+  std::string_view text;
+};
+
+constexpr std::array kFaultTexts{
+    FaultText{hal::Fault::estop, ErrorCode::estop_pressed, "Emergency stop is pressed."},
+    FaultText{hal::Fault::fifo_underrun, ErrorCode::motion_fault,
+              "The board ran out of motion segments while moving (FIFO underrun)."},
+    FaultText{hal::Fault::bad_segment, ErrorCode::motion_fault,
+              "The board refused a motion segment."},
+    FaultText{hal::Fault::link_lost, ErrorCode::motion_fault, "The board lost the connection."},
+};
+
+}  // namespace
+
+void Machine::cycle(double now) {
+  last_cycle_ = std::exchange(now_, now);
+  feed_.update();
+  watch_board();
+  cycle_job();
+  cycle_homing();
+  cycle_jog();
+  cycle_reset();
+  if (!findings_ && analysis_) findings_ = analysis_->findings();
+  snapshots_.publish(take_snapshot());
+}
+
+void Machine::watch_board() {
+  const hal::ControllerStatus& board = feed_.board();
+  if (!board.connected) {
+    if (state_ != State::off) on_fault(static_cast<hal::Faults>(hal::Fault::link_lost));
+    enter(State::off);
+    return;
+  }
+  if (state_ == State::off) {
+    feed_.accept_board_position();
+    interpreter_.set_position(feed_.commanded());
+    enter(State::needs_reset);
+  }
+  if (board.faults != 0 && state_ != State::estop && state_ != State::error)
+    on_fault(board.faults);
+  // The board may still have been braking its last steps when the fault was seen.
+  if ((state_ == State::estop || state_ == State::error) && !board.moving)
+    feed_.accept_board_position();
+}
+
+void Machine::on_fault(hal::Faults faults) {
+  const auto row = std::ranges::find_if(kFaultTexts, [&](const FaultText& text) {
+    return (faults & static_cast<hal::Faults>(text.fault)) != 0;
+  });
+  const Error error{row->code, std::string(row->text), std::nullopt};
+  log_.add(error);
+  lose_position_of_moving_axes();
+  io_.board_is_off();
+  feed_.accept_board_position();
+  jog_.drop();
+  homing_.drop();
+  const bool had_job = job_.active();
+  job_.abandon();
+  enter(error.code == ErrorCode::estop_pressed ? State::estop : State::error);
+  const auto interrupted = fail(ErrorCode::command_interrupted, error.message);
+  if (had_job && !single_line_) ended_well_ = false;
+  for (const WaitFor what : {WaitFor::home, WaitFor::mdi, WaitFor::pause}) settle(what, interrupted);
+  settle(WaitFor::rest, {});
+}
+
+/// An axis that is stopped without a ramp may have lost steps: it has to be homed again.
+void Machine::lose_position_of_moving_axes() {
+  const Position velocity = feed_.executing().velocity;
+  for (const Axis axis : kAllAxes)
+    if (velocity[axis] != 0.0 && std::exchange(homed_[axis], false))
+      log_.add(Severity::warning,
+               fmt::format("Axis {} was stopped without a ramp: its position may be wrong. Home it.",
+                           axis_name(axis)));
+}
+
+void Machine::cycle_job() {
+  if (!job_.active()) return;
+  const bool advances = state_ == State::running || state_ == State::pausing;
+  if (advances) elapsed_ += now_ - last_cycle_;
+  if (!single_line_) {
+    const Executing executing = feed_.executing();
+    move_ = std::max(move_, executing.tag.id);
+    if (executing.tag.line != 0) line_ = executing.tag.line;
+  }
+  on_job_signal(job_.cycle());
+}
+
+void Machine::on_job_signal(JobSignal signal) {
+  switch (signal) {
+    case JobSignal::none: break;
+    case JobSignal::standing:
+      if (state_ == State::stopping) {
+        end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
+      } else if (state_ == State::pausing) {
+        enter(State::paused);
+        settle(WaitFor::pause, {});
+      }
+      break;
+    case JobSignal::program_stop:
+    case JobSignal::tool_change:
+      if (state_ == State::stopping)
+        return end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
+      enter(signal == JobSignal::tool_change ? State::tool_change : State::program_stop);
+      settle(WaitFor::pause, {});
+      break;
+    case JobSignal::ended: end_job({}); break;
+    case JobSignal::failed: {
+      const Error error = job_.error();
+      log_.add(error);
+      // A setpoint that was refused leaves the machine in motion without an end.
+      if (!feed_.at_rest()) {
+        lose_position_of_moving_axes();
+        feed_.quick_stop();
+      }
+      end_job(std::unexpected(error));
+      break;
+    }
+  }
+}
+
+/// The job or single line is over, well or not.
+void Machine::end_job(const Result<void>& result) {
+  job_.abandon();
+  const bool was_job = !std::exchange(single_line_, false);
+  if (!result) io_.all_off();
+  if (was_job) {
+    ++runs_;
+    ended_well_ = result.has_value();
+    if (result) log_.add(Severity::info, fmt::format("Job done in {:.1f} s.", elapsed_));
+  }
+  save_parameters();
+  settle(WaitFor::mdi, result);
+  settle(WaitFor::pause, fail(ErrorCode::command_interrupted, "The job ended before the pause."));
+  come_to_rest();
+}
+
+void Machine::come_to_rest() {
+  enter(resting_state());
+  settle(WaitFor::rest, {});
+}
+
+void Machine::cycle_homing() {
+  if (!homing_.active()) return;
+  if (const auto axis = homing_.cycle()) {
+    homed_[*axis] = true;
+    log_.add(Severity::info, fmt::format("Axis {} is homed.", axis_name(*axis)));
+  }
+  if (homing_.active()) return;
+  interpreter_.set_position(feed_.commanded());
+  come_to_rest();
+  if (const auto& error = homing_.error()) {
+    log_.add(*error);
+    settle(WaitFor::home, std::unexpected(*error));
+  } else {
+    settle(WaitFor::home, {});
+  }
+}
+
+void Machine::cycle_jog() {
+  if (!jog_.active()) return;
+  jog_.cycle(now_);
+  if (const auto& error = jog_.error()) {
+    log_.add(*error);
+    lose_position_of_moving_axes();
+    feed_.quick_stop();
+  }
+  if (jog_.active()) return;
+  interpreter_.set_position(feed_.commanded());
+  come_to_rest();
+}
+
+/// Reset: stand still, clear the board's faults, switch the drives on.
+void Machine::cycle_reset() {
+  if (!reset_wanted_ || job_.active() || homing_.active() || jog_.active()) return;
+  const hal::ControllerStatus& board = feed_.board();
+  if (board.moving) return;
+  if (reset_deadline_ == 0.0) {
+    reset_deadline_ = now_ + kResetTimeout;
+    if (board.inputs.estop) reset_deadline_ = now_;  // no point in waiting for a hand
+    feed_.send(ClearFaults{});
+    return;
+  }
+  if (board.faults == 0 && board.outputs.drives_enabled && feed_.at_rest()) {
+    reset_wanted_ = false;
+    feed_.accept_board_position();
+    interpreter_.set_position(feed_.commanded());
+    interpreter_.reset();
+    come_to_rest();
+    settle(WaitFor::reset, {});
+    return;
+  }
+  if (board.faults == 0) io_.enable_drives(true);
+  if (now_ < reset_deadline_) return;
+  reset_wanted_ = false;
+  settle(WaitFor::reset,
+         board.inputs.estop
+             ? fail(ErrorCode::estop_pressed,
+                    "The emergency stop is still pressed: release it, then reset again.")
+             : fail(ErrorCode::controller_not_answering,
+                    "The board did not clear its faults and switch its drives on in time."));
+}
+
+}  // namespace cnc::server

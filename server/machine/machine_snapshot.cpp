@@ -1,0 +1,76 @@
+// What the machine shows of itself.
+#include <algorithm>
+#include <cmath>
+
+#include "server/machine/machine.h"
+
+namespace cnc::server {
+
+MachineSnapshot Machine::take_snapshot() {
+  const hal::ControllerStatus& board = feed_.board();
+  const Executing executing = feed_.executing();
+  const ShownOffsets offsets = job_.offsets();
+  const Overrides& overrides = job_.overrides();
+
+  MachineSnapshot shown;
+  shown.sequence = ++sequence_;
+  shown.time = now_;
+  shown.state = state_;
+  shown.state_text = state_info(state_).waits;
+  shown.machine_position = board.position;
+  shown.work_position = board.position - offsets.total();
+  shown.homed = homed_;
+  shown.velocity = executing.velocity;
+  const double linear = linear_length(executing.velocity);
+  shown.feed = linear > 0.0 ? linear : rotary_length(executing.velocity);
+  shown.programmed_feed = executing.feed_limit;
+  shown.feed_override = overrides.feed;
+  shown.rapid_override = overrides.rapid;
+  shown.speed_override = overrides.speed;
+  shown.overrides_enabled = job_.overrides_enabled();
+  shown.spindle = io_.spindle();
+  shown.spindle_speed = io_.spindle_speed();
+  shown.mist = io_.outputs().mist;
+  shown.flood = io_.outputs().flood;
+  shown.tool = job_.tool();
+  shown.selected_tool = job_.selected_tool();
+  shown.work_system = offsets.system;
+  shown.active_codes = interpreter_.modal().active_codes();
+  shown.job = take_job_snapshot();
+  shown.estop_input = board.inputs.estop;
+  shown.home_switches = board.inputs.home;
+  shown.fifo_time = board.fifo_time;
+  shown.newest_message = log_.newest();
+  return shown;
+}
+
+JobSnapshot Machine::take_job_snapshot() {
+  JobSnapshot shown;
+  if (!program_) return shown;
+  shown.path = program_path_;
+  shown.lines = program_->line_count();
+  shown.line = line_;
+  shown.elapsed = elapsed_;
+  shown.runs = runs_;
+  shown.ended_well = ended_well_;
+  const bool over = runs_ > 0 && state_ != State::running && line_ != 0;
+  if (over && ended_well_) shown.progress = 1.0;
+  if (!findings_) {
+    if (!over && shown.lines > 0)
+      shown.progress = static_cast<double>(line_) / static_cast<double>(shown.lines);
+    return shown;
+  }
+  shown.prediction_ready = true;
+  shown.problems = findings_->problem_count();
+  shown.extents_min = findings_->report.motion.lowest;
+  shown.extents_max = findings_->report.motion.highest;
+  shown.predicted_time = findings_->prediction.time();
+  if (over || shown.predicted_time <= 0.0) return shown;
+  const double done = findings_->prediction.time_at(move_);
+  shown.progress = std::clamp(done / shown.predicted_time, 0.0, 1.0);
+  const double rate = job_.overrides_enabled() ? job_.overrides().feed : 1.0;
+  if (rate > 0.0) shown.time_left = (shown.predicted_time - done) / rate;
+  return shown;
+}
+
+}  // namespace cnc::server

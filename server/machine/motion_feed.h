@@ -1,0 +1,90 @@
+// The last stage before the link: setpoints become segments.
+//
+// Numbers the segments, checks every one of them against the limits once more, knows how many
+// seconds of motion are under way and which move the board executes just now. Executor thread only.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <utility>
+
+#include "config/machine_config.h"
+#include "motion/planner.h"
+#include "motion/setpoint_check.h"
+#include "server/link/link.h"
+
+namespace cnc::server {
+
+/// Where the board is in what it was given.
+struct Executing {
+  motion::MoveTag tag;
+  double feed_limit = 0.0;  ///< programmed feed, mm/s; 0 = rapid
+  Position velocity;
+};
+
+class MotionFeed {
+ public:
+  MotionFeed(Link& link, const config::MachineConfig& config);
+
+  /// Reads the link's newest status; at the beginning of each cycle of the machine.
+  void update();
+  [[nodiscard]] const hal::ControllerStatus& board() const { return status_.board; }
+
+  /// True while less than `lead` seconds of motion are under way and the link has room.
+  [[nodiscard]] bool wants_more(double lead) const;
+  /// At rest, before a motion begins: which axes have to stay within their travel.
+  void begin_motion(const AxisArray<bool>& limited);
+  /// Sends a setpoint, checked once more.
+  Result<void> emit(const motion::Setpoint& setpoint);
+
+  /// Everything emitted and every command sent has been executed, and the machine stands.
+  [[nodiscard]] bool at_rest() const;
+  [[nodiscard]] Executing executing() const;
+  /// Id of the last segment emitted, and whether the board has finished the segment `id`.
+  [[nodiscard]] std::uint32_t last_id() const { return last_id_; }
+  [[nodiscard]] bool executed(std::uint32_t id) const;
+
+  /// Where the last setpoint ended: the start of the next.
+  [[nodiscard]] const Position& commanded() const { return commanded_; }
+
+  void send(const LinkItem& item) { link_.push(item); }
+  /// Is called with every setpoint that leaves.
+  void set_listener(std::function<void(const motion::Setpoint&)> listener) {
+    listener_ = std::move(listener);
+  }
+  /// Pulses stop at once; when the board stands, what it counted becomes the commanded position.
+  void quick_stop();
+  /// After a stop that was not planned: take the board's position as the commanded one.
+  void accept_board_position();
+  /// At rest only: the present place of the axis has machine position `position`.
+  void set_position(Axis axis, double position);
+
+ private:
+  struct Sent {
+    std::uint32_t id = 0;
+    double end_time = 0.0;  // on the time line of everything emitted
+    double duration = 0.0;
+    Position start_velocity;
+    Position end_velocity;
+    motion::MoveTag tag;
+    double feed_limit = 0.0;
+  };
+  // More than the link and the board hold together.
+  static constexpr std::size_t kHistory = 8192;
+
+  [[nodiscard]] const Sent& sent(std::uint32_t id) const { return history_[id % kHistory]; }
+  [[nodiscard]] double executed_time() const;
+
+  Link& link_;
+  const config::MachineConfig& config_;
+  motion::SetpointCheck check_;
+  std::function<void(const motion::Setpoint&)> listener_;
+  LinkStatus status_;
+  std::array<Sent, kHistory> history_{};
+  std::uint32_t last_id_ = 0;
+  Position commanded_;
+  bool position_unknown_ = false;  // a quick stop is under way
+};
+
+}  // namespace cnc::server

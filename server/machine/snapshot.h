@@ -1,0 +1,81 @@
+// One immutable picture of the machine, published by the executor and read by anybody.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+#include "config/axis.h"
+#include "interpreter/canonical.h"
+#include "server/machine/state_table.h"
+
+namespace cnc::server {
+
+struct JobSnapshot {
+  std::string path;
+  std::uint64_t lines = 0;
+  std::uint64_t line = 0;
+  double progress = 0.0;  ///< 0 … 1
+  double elapsed = 0.0;   ///< s
+  bool prediction_ready = false;
+  double predicted_time = 0.0;
+  double time_left = 0.0;
+  std::uint64_t runs = 0;
+  bool ended_well = false;
+  std::uint64_t problems = 0;
+  Position extents_min;
+  Position extents_max;
+};
+
+struct MachineSnapshot {
+  std::uint64_t sequence = 0;
+  double time = 0.0;
+  State state = State::off;
+  std::string state_text;
+  Position machine_position;
+  Position work_position;
+  AxisArray<bool> homed{};
+  Position velocity;
+  double feed = 0.0;             ///< mm/s along the path
+  double programmed_feed = 0.0;  ///< mm/s; 0 = rapid or none
+  double feed_override = 1.0;
+  double rapid_override = 1.0;
+  double speed_override = 1.0;
+  bool overrides_enabled = true;
+  interp::SpindleDirection spindle = interp::SpindleDirection::off;
+  double spindle_speed = 0.0;
+  bool mist = false;
+  bool flood = false;
+  std::int32_t tool = 0;
+  std::int32_t selected_tool = 0;
+  std::int32_t work_system = 1;
+  std::string active_codes;
+  JobSnapshot job;
+  bool estop_input = false;
+  AxisArray<bool> home_switches{};
+  double fifo_time = 0.0;
+  std::uint64_t newest_message = 0;
+};
+
+/// Holds the newest snapshot. The lock is held for the copy of a pointer; the real-time thread has no
+/// part in it.
+class SnapshotBoard {
+ public:
+  void publish(MachineSnapshot snapshot) {
+    auto next = std::make_shared<const MachineSnapshot>(std::move(snapshot));
+    const std::scoped_lock lock(mutex_);
+    newest_ = std::move(next);
+  }
+  [[nodiscard]] std::shared_ptr<const MachineSnapshot> newest() const {
+    const std::scoped_lock lock(mutex_);
+    return newest_;
+  }
+
+ private:
+  mutable std::mutex mutex_;  // protects newest_
+  std::shared_ptr<const MachineSnapshot> newest_ = std::make_shared<const MachineSnapshot>();
+};
+
+}  // namespace cnc::server
