@@ -1,5 +1,6 @@
 #include "interpreter/block.h"
 
+#include <bit>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -84,22 +85,34 @@ Accepted Block::add_m_code(double value, Span span) {
 
 Accepted Block::add_code(const Code& code, Span span) {
   const std::uint32_t group = std::uint32_t{1} << static_cast<unsigned>(code.group);
-  if ((groups_ & group) != 0) {
-    const auto holder = [&] {
-      for (std::size_t i = 0; i < kStepCount; ++i) {
-        const Step step{static_cast<std::uint8_t>(i)};
-        if (has(step) && this->code(step).group == code.group) return this->code(step).name;
-      }
-      return std::string_view{};
-    }();
-    return refuse(ErrorCode::modal_group_conflict, span,
-                  fmt::format("{} cannot stand on one line with {}: they belong to the same group.",
-                              code.name, holder),
-                  "One code of a modal group per line.");
-  }
+  if ((groups_ & group) != 0) return settle_conflict(code, span);
   groups_ |= group;
   put_code(code, span);
   return {};
+}
+
+// Two codes of one group are an error, but for one pair that many CAM systems begin with: G80
+// beside another motion ("G00 G17 G40 G49 G80"). There G80 counts, which moves nothing and lets no
+// axis word stand on the line.
+Accepted Block::settle_conflict(const Code& code, Span span) {
+  constexpr std::int32_t kG80 = 800;
+  const Code& there = holder_of(code.group);
+  if (code.group == Group::motion && (code.number == kG80) != (there.number == kG80)) {
+    if (code.number == kG80) put_code(code, span);
+    return {};
+  }
+  return refuse(ErrorCode::modal_group_conflict, span,
+                fmt::format("{} cannot stand on one line with {}: they belong to the same group.",
+                            code.name, there.name),
+                "One code of a modal group per line.");
+}
+
+const Code& Block::holder_of(Group group) const {
+  std::uint32_t steps = steps_;
+  while (codes_[static_cast<std::size_t>(std::countr_zero(steps))]->group != group) {
+    steps &= steps - 1;  // the group's bit is set, so a code of it is there
+  }
+  return *codes_[static_cast<std::size_t>(std::countr_zero(steps))];
 }
 
 void Block::put_code(const Code& code, Span span) {

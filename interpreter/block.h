@@ -73,6 +73,8 @@ class Block {
   Accepted add_g_code(double value, Span span);
   Accepted add_m_code(double value, Span span);
   Accepted add_code(const Code& code, Span span);
+  Accepted settle_conflict(const Code& code, Span span);
+  [[nodiscard]] const Code& holder_of(Group group) const;
 
   WordSet words_ = 0;
   std::uint32_t steps_ = 0;

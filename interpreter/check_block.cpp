@@ -18,9 +18,11 @@ constexpr std::int32_t kG80 = 800;
 
 [[nodiscard]] bool takes_axes(const Code& code) { return code.axes != AxisUse::none; }
 
-/// "G1 F300" sets mode and feed: the manual wants axis words, CAM systems leave them out.
+/// "G1 F300", "G0 G90 G17 G40": sets the mode beside other things. The manual wants axis words; CAM
+/// systems begin their programs with such lines.
 [[nodiscard]] bool only_sets_mode(const Block& block, const Code& motion) {
-  return is_straight(motion.number) && block.has('F') && !block.has(Step::machine_coordinates);
+  const bool has_more = block.steps() != Block::step_bit(Step::motion);
+  return is_straight(motion.number) && has_more && !block.has(Step::machine_coordinates);
 }
 
 /// A full circle needs no end point: "G2 I5".

@@ -87,7 +87,8 @@ struct CentreWords {
 
 Accepted check_arc_words(const Execution& x, const CentreWords& centre, const PlaneAxes& axes) {
   const Block& block = x.block();
-  if (block.has(centre.third)) {
+  // FreeCAD and others write all three; K0 in the XY plane does no harm.
+  if (block.find(centre.third).value_or(0.0) != 0.0) {
     return refuse(ErrorCode::arc_centre_off_plane, block.span_of(centre.third),
                   fmt::format("{} does not belong to an arc in this plane.", centre.third),
                   fmt::format("{} and {}.", centre.first, centre.second));

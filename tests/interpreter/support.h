@@ -33,8 +33,8 @@ struct Bench {
 
 Outcome run(std::string_view text);
 
-/// The commands of `text` without the trailing PROGRAM_END() and without mode lines before the first
-/// of interest; joined by "; ".
+/// The commands of `text` without the trailing PROGRAM_END() and without mode lines before the
+/// first of interest; joined by "; ".
 std::string commands_of(std::string_view text);
 /// "name@column" of the refusal, or "" when the program runs.
 std::string refusal_of(std::string_view text);

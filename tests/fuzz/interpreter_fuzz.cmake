@@ -1,0 +1,1 @@
+cnc_fuzz(interpreter_fuzz interpreter_fuzz.cpp cnc_interpreter)

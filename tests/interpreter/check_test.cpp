@@ -1,0 +1,102 @@
+// Checking whole programs.
+#include <catch2/catch.hpp>
+
+#include "tests/interpreter/support.h"
+
+using namespace cnc;
+using namespace cnc::interp;
+using namespace cnc::interp::test;
+
+namespace {
+
+CheckReport check_text(const std::string& text, const CheckOptions& options = {}) {
+  return check(Program::from_text(text, "part.ngc").value(), {}, {}, {}, {}, options);
+}
+
+}  // namespace
+
+TEST_CASE("A check lists every wrong line and goes on behind it", "[JOB-2][LNG-10]") {
+  const CheckReport report = check_text("G0 X1\nG0 Q1\nG77\nG0 X9\n#1=[1/0]\nM30\n");
+  REQUIRE(report.errors.size() == 3);
+  CHECK(report.errors[0].line == 2);
+  CHECK(report.errors[1].line == 3);
+  CHECK(report.errors[2].line == 5);
+  CHECK(report.complete);
+  CHECK_FALSE(report.ok());
+  CHECK(report.motion.highest[Axis::X] == 9.0);
+  CHECK(report.line_count == 6);
+}
+
+TEST_CASE("A wrong line in a loop is listed once, and the list is bounded", "[JOB-2]") {
+  CHECK(check_text("while [#1 < 50]\nG77\n#1=[#1+1]\nendwhile\nM30\n").errors.size() == 1);
+  std::string text;
+  for (int line = 0; line < 50; ++line) text += "G77\n";
+  CheckOptions options;
+  options.max_errors = 7;
+  const CheckReport report = check_text(text, options);
+  CHECK(report.errors.size() == 7);
+  CHECK_FALSE(report.complete);
+}
+
+TEST_CASE("A check ends although the program does not", "[JOB-2]") {
+  CheckOptions options;
+  options.line_budget = 10'000;
+  const CheckReport report = check_text("while [1]\nG0 X[1-#5001]\nendwhile\n", options);
+  CHECK_FALSE(report.complete);
+  REQUIRE(report.warnings.size() == 1);
+  CHECK(report.warnings[0].code == ErrorCode::check_incomplete);
+
+  const std::atomic<bool> cancel = true;
+  options.cancel = &cancel;
+  CHECK(check_text("G0 X1\n", options).cancelled);
+}
+
+TEST_CASE("A program without M2 or M30 is noted", "[JOB-2]") {
+  const CheckReport report = check_text("G0 X1\nG0 X2\n");
+  CHECK(report.ok());
+  REQUIRE(report.warnings.size() == 1);
+  CHECK(report.warnings[0].code == ErrorCode::no_program_end);
+  CHECK(report.warnings[0].severity == Severity::warning);
+  CHECK(check_text("G0 X1\nM30\n").warnings.empty());
+}
+
+TEST_CASE("The extents hold arcs exactly", "[JOB-2]") {
+  struct Row {
+    const char* text;
+    double low_x, high_x, low_y, high_y;
+  };
+  const auto row = GENERATE(values<Row>({
+      // A quarter from (10, 0) counter-clockwise around the origin touches nothing beyond its ends.
+      {"G0 X10\nF1\nG3 X0 Y10 I-10\nM2\n", 0, 10, 0, 10},
+      // Three quarters the other way pass (0, -10) and (-10, 0).
+      {"G0 X10\nF1\nG2 X0 Y10 I-10\nM2\n", -10, 10, -10, 10},
+      {"F1\nG2 I5\nM2\n", 0, 10, -5, 5},
+      {"F1\nG3 J-5\nM2\n", -5, 5, -10, 0},
+      {"F1\nG2 X10 I5\nM2\n", 0, 10, 0, 5},
+      {"F1\nG3 X10 I5\nM2\n", 0, 10, -5, 0},
+  }));
+  INFO(row.text);
+  const CheckReport report = check_text(row.text);
+  REQUIRE(report.ok());
+  CHECK(report.motion.lowest[Axis::X] == Approx(row.low_x).margin(1e-9));
+  CHECK(report.motion.highest[Axis::X] == Approx(row.high_x).margin(1e-9));
+  CHECK(report.motion.lowest[Axis::Y] == Approx(row.low_y).margin(1e-9));
+  CHECK(report.motion.highest[Axis::Y] == Approx(row.high_y).margin(1e-9));
+}
+
+TEST_CASE("Cutting extents leave rapids out, and are machine coordinates", "[JOB-2]") {
+  const CheckReport report = check_text("G92 X-100\nG0 X0 Z50\nG1 X10 F100\nG0 X-500\nM2\n");
+  REQUIRE(report.ok());
+  CHECK(report.cutting.lowest[Axis::X] == 100.0);
+  CHECK(report.cutting.highest[Axis::X] == 110.0);
+  CHECK(report.motion.lowest[Axis::X] == -400.0);
+  CHECK(check_text("G0 X1\nM2\n").cutting.empty);
+}
+
+TEST_CASE("A check does not touch the machine's parameters", "[JOB-2]") {
+  config::ParameterStore parameters;
+  const config::ParameterStore before = parameters;
+  const auto program = Program::from_text("#1=5\nG10 L2 P1 X7\nG55\nM2\n", "p").value();
+  CHECK(check(program, {}, parameters, {}, {}).ok());
+  CHECK(parameters == before);
+}

@@ -1,0 +1,108 @@
+// Programs that other people wrote: those that need nothing but lines, arcs, feeds, offsets and
+// plain M codes run to their end, and those that are wrong, or use what this interpreter does not
+// know, are refused on the right line. Skipped where the corpus is not at hand.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+
+#include "tests/interpreter/support.h"
+
+using namespace cnc;
+using namespace cnc::interp;
+using namespace cnc::interp::test;
+
+namespace {
+
+const std::string kCorpus = std::string(CNC_SOURCE_DIR) + "/../shared/corpus/gcode/";
+
+bool corpus_missing() {
+  if (std::filesystem::exists(kCorpus)) return false;
+  WARN("The corpus of real programs is not here: test skipped.");
+  return true;
+}
+
+CheckReport check_file(const std::string& name, const CheckOptions& options = {}) {
+  const auto program = Program::open(kCorpus + name);
+  REQUIRE(program.has_value());
+  return check(*program, {}, {}, {}, {}, options);
+}
+
+struct Refused {
+  const char* file;
+  std::uint32_t line;
+  ErrorCode code;
+};
+
+}  // namespace
+
+TEST_CASE("Real programs run to their end", "[GCO-2][LNG-11]") {
+  if (corpus_missing()) return;
+  const auto name = GENERATE(
+      as<std::string>{},  //
+      "nist--c1_hello_world.ngc", "nist--c2_expressions.ngc",
+      "linuxcnc--good-arc.medium.metric.ngc", "linuxcnc--Pasta.ngc", "linuxcnc--blur_torus.ngc",
+      "linuxcnc--tort.ngc", "linuxcnc--wheels.ngc", "linuxcnc--zigzag_0.002_0.0005.ngc",
+      "nraynaud--tux.ngc", "pcb2gcode--back.ngc", "CauldronDevelopmentLLC--botomata_bottom.nc",
+      "CauldronDevelopmentLLC--flower_mold.nc", "CauldronDevelopmentLLC--tiger.nc",
+      "SergeyPopovGit--ScalePanel.nc", "Sienci-Labs--FourAxisSurface_finishPass.nc",
+      "bdring--arcs_arrows.nc", "winder--communicator.nc", "synthetos--FordEmblem.gcode",
+      "winder--arc_rword_test.gcode", "winder--no_spaces.gcode", "fragmuffin--Skull2.tap");
+  INFO(name);
+  const CheckReport report = check_file(name);
+  for (const Diagnostic& error : report.errors) UNSCOPED_INFO(error.to_string());
+  CHECK(report.ok());
+}
+
+TEST_CASE("Wrong and unknown programs are refused on the right line", "[LNG-10]") {
+  if (corpus_missing()) return;
+  const auto row = GENERATE(values<Refused>({
+      {"linuxcnc--bad-arc.medium.metric.ngc", 6, ErrorCode::arc_radius_mismatch},
+      {"linuxcnc--bad-no-feed-rate.ngc", 2, ErrorCode::feed_not_set},
+      {"linuxcnc--bad-ccomp-gouging.ngc", 3, ErrorCode::unknown_g_code},
+      {"linuxcnc--daisy.ngc", 3, ErrorCode::o_word},
+      {"linuxcnc--polar.ngc", 9, ErrorCode::unknown_g_code},
+      {"linuxcnc--3D_Chips.ngc", 8, ErrorCode::named_parameter},
+      {"CauldronDevelopmentLLC--genes-encoder.ngc", 22, ErrorCode::o_word},
+      {"CauldronDevelopmentLLC--heart.ngc", 3, ErrorCode::named_parameter},
+      {"Sienci-Labs--jsdc_with_error.gcode", 123, ErrorCode::axis_words_missing},
+      {"Sienci-Labs--SheepTile-v2.nc", 14, ErrorCode::feed_not_set},
+      {"Paciente8159--expressions.nc", 5, ErrorCode::unexpected_character},
+      {"kliment--PCB-milling-and-_comment_.gcode", 8, ErrorCode::word_missing},
+      // Centre and end of this arc do not fit: 29 mm against 27.6 mm.
+      {"cncjs--Circle_Diamond_Square_Calibration.gcode", 624, ErrorCode::arc_radius_mismatch},
+      // The full circles run; "X.75" behind G2 has no centre.
+      {"cncjs--full-circle-without-xyz.gcode", 11, ErrorCode::arc_centre_missing},
+      {"joewalnes--15mm_cube.gcode", 2, ErrorCode::axis_words_missing},
+  }));
+  INFO(row.file);
+  const CheckReport report = check_file(row.file);
+  REQUIRE_FALSE(report.errors.empty());
+  CHECK(report.errors[0].line == row.line);
+  CHECK(report.errors[0].code == row.code);
+}
+
+TEST_CASE("NIST's expressions give the values that their comments state", "[LNG-2]") {
+  if (corpus_missing()) return;
+  // "n0050 x [2/5] (x should be 0.40)": the comment comes first, then the move.
+  std::string comment;
+  int compared = 0;
+  CheckOptions options;
+  options.sink = [&](const Command& command) {
+    if (const auto* message = std::get_if<Message>(&command.body)) comment = message->text;
+    const auto* move = std::get_if<FeedMove>(&command.body);
+    const std::size_t value = comment.find("be ");
+    if (move == nullptr || value == std::string::npos) return;
+    INFO("line " << command.source.line << ": " << comment);
+    CHECK(move->end[Axis::X] == Approx(std::stod(comment.substr(value + 3))).margin(1e-3));
+    comment.clear();
+    ++compared;
+  };
+  CHECK(check_file("nist--c2_expressions.ngc", options).ok());
+  CHECK(compared > 35);
+}
+
+TEST_CASE("The tolerance case of LinuxCNC keeps its end points", "[GCO-2]") {
+  if (corpus_missing()) return;
+  const CheckReport report = check_file("linuxcnc--good-arc.medium.metric.ngc");
+  CHECK(report.motion.highest[Axis::X] == 2000.0);
+}
