@@ -14,6 +14,9 @@ constexpr double kShortestPhase = kShortestSetpoint;
 /// Speeds that differ by less than this part are the same.
 constexpr double kSameSpeed = 1e-9;
 
+/// What is left of x after braking when it is nothing but rounding, as a part of x before.
+constexpr double kStandstill = 1e-9;
+
 double square(double value) { return value * value; }
 
 /// The rest of a straight line: from `speed` over `left` mm to at most `exit_speed`, never above
@@ -40,8 +43,13 @@ struct Straight {
 
   [[nodiscard]] Leg brake() const {
     const double length = ramp_length(speed, 0.0);
-    if (length < left) return leg(-a, length, 0.0);
-    return leg(-a, left, std::sqrt(std::max(0.0, square(speed) - 2.0 * a * left)));
+    return length < left ? leg(-a, length, 0.0) : brake_through();
+  }
+
+  /// Braking that does not come to its end before the line's, except for rounding.
+  [[nodiscard]] Leg brake_through() const {
+    const double x = square(speed) - 2.0 * a * left;
+    return x > kStandstill * square(speed) ? leg(-a, left, std::sqrt(x)) : ramp(0.0, left);
   }
 
   /// Braking for the exit has to begin now (or within a microsecond).
@@ -51,7 +59,7 @@ struct Straight {
 
   [[nodiscard]] Leg to_exit() const {
     if (ramp_length(speed, exit_speed) <= left * (1.0 + 1e-9)) return ramp(exit_speed, left);
-    return leg(-a, left, std::sqrt(std::max(0.0, square(speed) - 2.0 * a * left)));
+    return brake_through();
   }
 
   /// Down to a limit that was lowered while moving.
@@ -105,7 +113,7 @@ Leg straight_leg(const Straight& way) {
 /// A leg of a curved step with w, ending where the step ends or where it stands still.
 Leg curved_leg_with(double w, double left, double x) {
   const double exit_x = x + 2.0 * left * w;
-  if (exit_x > 1e-12 * x) return {w, left, std::sqrt(x), std::sqrt(exit_x)};
+  if (exit_x > kStandstill * x) return {w, left, std::sqrt(x), std::sqrt(exit_x)};
   const double length = w < 0.0 ? std::min(left, -x / (2.0 * w)) : left;
   return {w, length, std::sqrt(x), 0.0};
 }

@@ -3,13 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace cnc::motion {
 
 namespace {
-
-/// Largest distance of a setpoint's cubic from the planned motion, mm.
-constexpr double kCubicTolerance = 1e-6;
 
 /// Acceleration of a cubic above its limit that is rounding: a part of the limit, and the
 /// positions' own last digits (1e-10 mm) seen over the square of the duration.
@@ -20,18 +18,15 @@ constexpr double kPositionRounding = 1e-10;
 constexpr std::size_t kMostLegs = 32;
 
 /// Longest setpoint on a curve so that its cubic differs by no more than the tolerance in position
-/// (|q''''| h⁴/384) and the reserve in acceleration (|q''''| h²/12); q'''' is the fourth derivative
-/// by time, at most κ (κ²v⁴ + 6κv²w + 3w²).
+/// (p h⁴/384, with the fourth derivative p) and by no more than the reserve in acceleration
+/// (p h²/12).
 double longest_on(const Step& step, const Leg& leg) {
   if (step.straight) return std::numeric_limits<double>::infinity();
-  const double v2 = leg.start_speed > leg.end_speed ? leg.start_speed * leg.start_speed
-                                                    : leg.end_speed * leg.end_speed;
-  const double k = step.curvature;
-  const double fourth =
-      k * (k * k * v2 * v2 + 6.0 * k * v2 * std::abs(leg.w) + 3.0 * leg.w * leg.w);
-  if (fourth == 0.0) return std::numeric_limits<double>::infinity();
-  const double by_acceleration = std::sqrt(12.0 * kCubicReserve * step.weakest / fourth);
-  const double by_position = std::sqrt(std::sqrt(384.0 * 0.5 * kCubicTolerance / fourth));
+  const double fastest = std::max(leg.start_speed, leg.end_speed);
+  const double p = fourth_derivative(step, fastest * fastest, std::abs(leg.w));
+  if (p == 0.0) return std::numeric_limits<double>::infinity();
+  const double by_acceleration = std::sqrt(12.0 * kCubicReserve * step.weakest / p);
+  const double by_position = std::sqrt(std::sqrt(384.0 * kCubicTolerance / p));
   return std::max(kShortestSetpoint, std::min(by_acceleration, by_position));
 }
 
@@ -43,7 +38,8 @@ class Draft {
         longest_(max_duration),
         start_position_(track.position_at(track.place())),
         start_velocity_(track.velocity_at(track.place())),
-        place_(track.place()) {}
+        place_(track.place()),
+        from_rest_(track.place().speed == 0.0) {}
 
   /// Takes in the next leg or a part of it; false when the setpoint ends where it ended before.
   bool add(const Leg& leg) {
@@ -54,7 +50,8 @@ class Draft {
     const bool whole = part >= leg.duration();
     const Place end = whole ? track_.behind(place_, leg) : track_.inside(place_, leg, part);
     Setpoint longer = setpoint_to(end, time_ + part);
-    if (legs_ > 0 && !keeps_limits(longer)) return false;
+    const bool rest_to_rest = from_rest_ && end.speed == 0.0 && time_ + part < kShortestSetpoint;
+    if (legs_ > 0 && !rest_to_rest && !keeps_limits(longer)) return false;
     const Piece& piece = track_.piece_at(place_);
     longer.tag = piece.tag;
     longer.feed_limit = piece.kind == MoveKind::feed ? piece.feed : 0.0;
@@ -68,7 +65,17 @@ class Draft {
 
   [[nodiscard]] bool empty() const { return legs_ == 0; }
   [[nodiscard]] const Place& place() const { return place_; }
-  [[nodiscard]] const Setpoint& setpoint() const { return setpoint_; }
+
+  /// A whole motion from rest to rest may take its time: h is stretched to the shortest setpoint, or
+  /// where that is less to what one cubic needs, 6 d/h² <= a, for the way d = a t²/4 that two ramps
+  /// make in t.
+  [[nodiscard]] Setpoint setpoint() const {
+    Setpoint result = setpoint_;
+    if (from_rest_ && place_.speed == 0.0 && result.duration < kShortestSetpoint) {
+      result.duration = std::max(kShortestSetpoint, std::sqrt(1.5) * result.duration);
+    }
+    return result;
+  }
 
  private:
   struct Passed {
@@ -82,7 +89,8 @@ class Draft {
     const double whole = leg.duration();
     if (whole <= room * (1.0 + 1e-9)) return whole;
     if (time_ == 0.0) return whole / std::ceil(whole / room);
-    return whole - room < kShortestSetpoint ? whole - kShortestSetpoint : room;
+    if (room < kShortestSetpoint) return 0.0;
+    return std::min(room, whole - kShortestSetpoint);
   }
 
   [[nodiscard]] Setpoint setpoint_to(const Place& end, double duration) const {
@@ -93,8 +101,8 @@ class Draft {
     return setpoint;
   }
 
-  /// Whether one cubic to the end of `longer` keeps the axes' accelerations and meets the planned
-  /// motion where the legs collected so far end.
+  /// Whether one cubic to the end of `longer` keeps the axes' limits and meets the planned motion
+  /// where the legs collected so far end.
   [[nodiscard]] bool keeps_limits(const Setpoint& longer) const {
     const double noise = 6.0 * kPositionRounding / (longer.duration * longer.duration);
     for (const Axis axis : kAllAxes) {
@@ -103,6 +111,8 @@ class Draft {
           track_.limits().max_acceleration[axis] * (1.0 + kRelativeRounding) + noise;
       if (std::abs(cubic.start_acceleration()) > allowed) return false;
       if (std::abs(cubic.end_acceleration()) > allowed) return false;
+      const double fastest = track_.limits().max_velocity[axis] * (1.0 + kRelativeRounding);
+      if (cubic.fastest() > fastest) return false;
       for (std::size_t i = 0; i < legs_; ++i) {
         const double there = cubic.position(passed_[i].time);
         if (std::abs(there - passed_[i].position[axis]) > kCubicTolerance) return false;
@@ -116,6 +126,7 @@ class Draft {
   Position start_position_;
   Position start_velocity_;
   Place place_;
+  bool from_rest_;
   double time_ = 0.0;
   std::size_t legs_ = 0;
   std::array<Passed, kMostLegs> passed_{};

@@ -1,6 +1,7 @@
 // The output of this room: one piece of motion, and the cubic in time that it stands for.
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 
 #include "config/axis.h"
@@ -51,6 +52,14 @@ struct AxisCubic {
   }
   [[nodiscard]] constexpr double acceleration(double t) const {
     return start_acceleration() + t * jerk();
+  }
+  /// Largest |velocity| of the setpoint: at an end, or where the acceleration is zero.
+  [[nodiscard]] constexpr double fastest() const {
+    const double ends = std::max(v0 < 0.0 ? -v0 : v0, v1 < 0.0 ? -v1 : v1);
+    const double turning = -start_acceleration() / jerk();
+    if (!(turning > 0.0 && turning < duration)) return ends;  // also when the jerk is zero
+    const double between = velocity(turning);
+    return std::max(ends, between < 0.0 ? -between : between);
   }
 };
 

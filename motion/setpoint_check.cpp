@@ -17,16 +17,6 @@ struct Bounds {
   double max;
 };
 
-Bounds velocities_of(const AxisCubic& cubic) {
-  Bounds bounds{std::min(cubic.v0, cubic.v1), std::max(cubic.v0, cubic.v1)};
-  const double turning = -cubic.start_acceleration() / cubic.jerk();  // NaN or inf: no turning
-  if (turning > 0.0 && turning < cubic.duration) {
-    bounds.min = std::min(bounds.min, cubic.velocity(turning));
-    bounds.max = std::max(bounds.max, cubic.velocity(turning));
-  }
-  return bounds;
-}
-
 /// Where the velocity is zero inside the setpoint the position has an extreme.
 Bounds positions_of(const AxisCubic& cubic) {
   Bounds bounds{std::min(cubic.p0, cubic.p1), std::max(cubic.p0, cubic.p1)};
@@ -66,8 +56,7 @@ Result<void> check_travel(Axis axis, const AxisCubic& cubic, const Bounds& trave
 }
 
 Result<void> check_velocity(Axis axis, const AxisCubic& cubic, double limit) {
-  const Bounds velocities = velocities_of(cubic);
-  const double fastest = std::max(-velocities.min, velocities.max);
+  const double fastest = cubic.fastest();
   const double rounding = 2.0 * kPositionRounding / cubic.duration;
   if (fastest <= limit * (1.0 + kCheckTolerance) + rounding) return {};
   return fail(ErrorCode::setpoint_too_fast,

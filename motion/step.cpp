@@ -17,7 +17,7 @@ constexpr double kInsensitive = 1e-9;
 /// Steps of less time than this gain nothing: speed hardly changes within it.
 constexpr double kGridTime = 0.005;
 
-constexpr double kLargestTurn = 3.0 * std::numbers::pi / 180.0;
+constexpr double kLargestTurn = 2.0 * std::numbers::pi / 180.0;
 
 /// |gain * w + offset * x| <= limit, solved for w: |w + slope * x| <= width.
 struct Row {
@@ -72,14 +72,38 @@ Range intersect(Range range, double gain, double offset, double limit, double x)
   return {std::max(range.low, centre - width), std::min(range.high, centre + width)};
 }
 
-/// Share of the acceleration that the plan may use on a curve. Between two grid points an axis can
-/// exceed what it has at both by turn²/8 (the top of a cosine); the cubic of a setpoint differs
-/// from the curve by the reserve, or by more where even the shortest setpoint covers much of a tiny
-/// arc: q'''' h²/12 with |q''''| <= κ (κ²v⁴ + 6κv²w + 3w²) <= 10 κ a² for v²κ <= a, w <= a.
-double usable_share(double turn, double curvature, double acceleration) {
+/// Change of direction over a step, in radians for the small angles of steps.
+double turn_between(const Position& a, const Position& b) {
+  return norm(b - a) / std::max(norm(a), norm(b));
+}
+
+/// How fast q'' itself changes, relative to its size: the curvature on arcs, nothing on parabolas.
+double rotation_of(const Step& step) {
+  const double change = norm(step.bend[1] - step.bend[0]) / step.length;
+  return step.curvature > 0.0 ? change / step.curvature : 0.0;
+}
+
+/// Part of the axes' accelerations that a curve must leave free, for two reasons. The limits are
+/// checked at both ends of a step only: a = q' w + q'' x with x' = 2w has a'' = 5 q''' w + q'''' x, and
+/// h²/8 of that is the height of the bow between the ends. And the cubic of a setpoint differs from
+/// the curve by the reserve, or by more on tiny arcs, of which even the shortest setpoint covers much.
+double free_part(const Step& step, const AxisLimits& limits) {
+  const double w = step.along;
+  const double x = std::min(largest_along(step.bend[0], limits.max_acceleration),
+                            largest_along(step.bend[1], limits.max_acceleration));
+  const double h = step.length;
+  const double r = step.rotation;
+  const double bow = step.curvature * r * (5.0 * w + r * x) * h * h / 8.0;
   const double cubic =
-      10.0 / 12.0 * curvature * acceleration * kShortestSetpoint * kShortestSetpoint;
-  return 1.0 - std::min(0.5, turn * turn / 8.0 + std::max(kCubicReserve, cubic));
+      fourth_derivative(step, x, w) * kShortestSetpoint * kShortestSetpoint / 12.0;
+  return std::min(0.5, std::max(kCubicReserve, cubic / step.weakest) + bow / step.weakest);
+}
+
+/// Part of a velocity limit, mm/s, that the same cubics need: they differ in velocity by p h³ √3/216
+/// at most, and the sampler bounds p h⁴ and p h².
+double velocity_reserve(double weakest) {
+  return std::sqrt(3.0) / 216.0 *
+         std::sqrt(384.0 * kCubicTolerance * 12.0 * kCubicReserve * weakest);
 }
 
 double weakest_axis(const Step& step, const AxisLimits& limits) {
@@ -91,36 +115,52 @@ double weakest_axis(const Step& step, const AxisLimits& limits) {
   return weakest;
 }
 
-double strongest_axis(const Step& step, const AxisLimits& limits) {
-  double strongest = 0.0;
-  for (const Axis axis : kAllAxes) {
-    const bool moves = step.tangent[0][axis] != 0.0 || step.bend[0][axis] != 0.0;
-    if (moves) strongest = std::max(strongest, limits.max_acceleration[axis]);
-  }
-  return strongest;
-}
-
 void complete_straight(Step& step, const AxisLimits& limits) {
   step.along = largest_along(step.tangent[0], limits.max_acceleration);
   const double speed = largest_along(step.tangent[0], limits.max_velocity);
   step.machine_x = speed * speed;
 }
 
-void complete_curved(Step& step, const AxisLimits& limits) {
-  const double turn = norm(step.tangent[1] - step.tangent[0]);
+/// Largest |q'| of each axis over the step, from both ends and the middle. A quadratic between three
+/// equidistant points exceeds the largest of them by at most an eighth of their second difference.
+Position largest_tangent(const Step& step, const Position& middle) {
+  Position largest;
+  for (const Axis axis : kAllAxes) {
+    const double a = step.tangent[0][axis];
+    const double b = middle[axis];
+    const double c = step.tangent[1][axis];
+    largest[axis] = std::max({std::abs(a), std::abs(b), std::abs(c)}) +
+                    std::abs(a - 2.0 * b + c) / 8.0;
+  }
+  return largest;
+}
+
+double speed_limit(const Step& step, const Position& middle_tangent, const AxisLimits& limits) {
+  Position velocity = limits.max_velocity;
+  for (const Axis axis : kAllAxes) {
+    velocity[axis] -= std::min(0.5 * velocity[axis], velocity_reserve(step.weakest));
+  }
+  return largest_along(largest_tangent(step, middle_tangent), velocity);
+}
+
+void complete_curved(Step& step, const Position& middle_tangent, const AxisLimits& limits) {
   step.curvature = std::max(norm(step.bend[0]), norm(step.bend[1]));
-  step.acceleration =
-      limits.max_acceleration * usable_share(turn, step.curvature, strongest_axis(step, limits));
-  // The same cosine for the velocity: between the ends of the step q' may be larger by turn²/8.
-  double speed = std::min(largest_along(step.tangent[0], limits.max_velocity),
-                          largest_along(step.tangent[1], limits.max_velocity));
-  speed *= 1.0 - turn * turn / 8.0;
-  step.along = std::min(largest_along(step.tangent[0], step.acceleration),
-                        largest_along(step.tangent[1], step.acceleration));
+  step.rotation = rotation_of(step);
+  step.along = std::min(largest_along(step.tangent[0], limits.max_acceleration),
+                        largest_along(step.tangent[1], limits.max_acceleration));
+  const double share = 1.0 - free_part(step, limits);
+  step.acceleration = limits.max_acceleration * share;
+  step.along *= share;
+  const double speed = speed_limit(step, middle_tangent, limits);
   step.machine_x = std::min(speed * speed, largest_x(rows_of(step)));
 }
 
 }  // namespace
+
+double fourth_derivative(const Step& step, double x, double w) {
+  const double r = step.rotation;
+  return step.curvature * (r * r * x * x + 6.0 * r * x * w + 3.0 * w * w);
+}
 
 Step make_step(const Curve& curve, double start, double length, const AxisLimits& limits) {
   Step step;
@@ -133,7 +173,11 @@ Step make_step(const Curve& curve, double start, double length, const AxisLimits
   step.bend[1] = bend_of(curve, start + length);
   step.acceleration = limits.max_acceleration;
   step.weakest = weakest_axis(step, limits);
-  step.straight ? complete_straight(step, limits) : complete_curved(step, limits);
+  if (step.straight) {
+    complete_straight(step, limits);
+  } else {
+    complete_curved(step, tangent_of(curve, start + 0.5 * length), limits);
+  }
   return step;
 }
 
@@ -142,7 +186,7 @@ double grid_length(const Curve& curve, double start, double end, double speed,
   const double length = end - start;
   if (is_straight(curve)) return length;
   if (const auto* blend = std::get_if<CornerBlend>(&curve)) {
-    const double turn = norm(blend->tangent(end) - blend->tangent(start));
+    const double turn = turn_between(blend->tangent(start), blend->tangent(end));
     return length / std::max(1.0, std::ceil(turn / kLargestTurn));
   }
   const auto& arc = std::get<Arc>(curve);

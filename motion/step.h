@@ -25,6 +25,9 @@ inline constexpr double kShortestSetpoint = 0.00025;
 /// curve and the cubic that a setpoint makes of it.
 inline constexpr double kCubicReserve = 2.5e-4;
 
+/// Largest distance of a setpoint's cubic from the planned motion, mm.
+inline constexpr double kCubicTolerance = 1e-6;
+
 struct Step {
   std::uint64_t piece = 0;  ///< index in the track
   double start = 0.0;       ///< curve parameter at its begin
@@ -39,6 +42,7 @@ struct Step {
 
   double along = 0.0;      ///< largest |w| at x = 0
   double curvature = 0.0;  ///< largest |q''|
+  double rotation = 0.0;  ///< |q'''| / |q''|
   double weakest = 0.0;    ///< smallest acceleration limit of the axes that move
 
   double machine_x = 0.0;  ///< largest x that the axes allow
@@ -57,7 +61,10 @@ struct Step {
 [[nodiscard]] Step make_step(const Curve& curve, double start, double length,
                              const AxisLimits& limits);
 
-/// Step length on a curve that is driven at up to `speed`: at most 3° of turning, at most a part of
+/// Bound of the fourth derivative of position by time on a curved step, at x and |w|.
+[[nodiscard]] double fourth_derivative(const Step& step, double x, double w);
+
+/// Step length on a curve that is driven at up to `speed`: at most 2° of turning, at most a part of
 /// the distance in which the speed is reached, and no finer than 5 ms.
 [[nodiscard]] double grid_length(const Curve& curve, double start, double end, double speed,
                                  const AxisLimits& limits);

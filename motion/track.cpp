@@ -44,17 +44,20 @@ bool Track::sufficient() const {
 
 bool Track::extend() {
   if (pieces_.empty()) return true;
+  cut_into_steps(Until::sufficient);
+  return pieces_.back().stepped >= pieces_.back().end;
+}
+
+void Track::cut_into_steps(Until until) {
   Piece& last = pieces_.back();
-  if (last.stepped >= last.end) return true;
   const std::uint64_t before = steps_.end();
-  while (last.stepped < last.end && !sufficient()) {
+  while (last.stepped < last.end && (until == Until::end || !sufficient())) {
     const double left = last.end - last.stepped;
     const double count = std::max(1.0, std::ceil(left / last.grid - 1e-9));
     push_step(pieces_.end() - 1, left / count, false);
     if (count == 1.0) last.stepped = last.end;
   }
   if (steps_.end() != before) plan_backward();
-  return last.stepped >= last.end;
 }
 
 void Track::append(Piece piece) {
@@ -89,6 +92,7 @@ bool Track::append_blended(const Piece& piece, double cut) {
 
   set_end_of_last(old_end - cut);
   push(std::move(blend), false);
+  cut_into_steps(Until::end);
   push(std::move(rest), false);
   if (place_is_safe()) return true;
   pop_last_piece();
@@ -142,11 +146,15 @@ void Track::set_end_of_last(double end) {
     step.machine_entry = -1.0;  // computed anew
     last.stepped = end;
   } else {
-    while (steps_.back().end() > end) steps_.pop_back();
+    // The step that comes to lie across the end goes too, and one that would leave a sliver.
+    while (steps_.back().end() > end - 0.5 * last.grid && steps_.back().start > last.begin &&
+           steps_.end() - 1 > place_.step) {
+      steps_.pop_back();
+    }
     last.stepped = steps_.back().end();
   }
   plan_backward();
-  extend();
+  cut_into_steps(Until::end);
 }
 
 /// How much of the last curve a blend may still take.

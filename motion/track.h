@@ -91,7 +91,10 @@ class Track {
   [[nodiscard]] double unplanned_length() const;
 
  private:
+  enum class Until : std::uint8_t { sufficient, end };
+
   void push(Piece piece, bool stop_before);
+  void cut_into_steps(Until until);
   void pop_last_piece();
   void push_step(std::uint64_t piece_index, double length, bool stop_before);
   void set_end_of_last(double end);
