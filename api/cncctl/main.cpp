@@ -3,7 +3,10 @@
 #include <chrono>
 #include <fmt/format.h>
 #include <span>
+#include <string>
 #include <string_view>
+#include <utility>
+#include <vector>
 
 #include "api/cncctl/command_line.h"
 #include "api/cncctl/interrupt.h"
@@ -47,16 +50,25 @@ ExitCode run(const Task& task) {
   return exit_code_of(result.error().kind);
 }
 
-int run_command_line(int argc, char** argv) {
+/// CLI11 takes "-5" for a number but "-.5" for an option, so a zero is put in.
+std::string with_leading_zero(std::string_view argument) {
+  const bool is_number =
+      argument.size() > 2 && argument.starts_with("-.") && argument[2] >= '0' && argument[2] <= '9';
+  return is_number ? "-0" + std::string(argument.substr(1)) : std::string(argument);
+}
+
+int run_command_line(std::span<char*> arguments) {
   Task task;
   const auto app = make_command_line(task);
+  std::vector<std::string> words;
+  for (const char* argument : arguments.subspan(1)) words.push_back(with_leading_zero(argument));
+  const bool json = std::ranges::find(words, "--json") != words.end();
+  std::ranges::reverse(words);  // CLI11 takes them from the end
   try {
-    app->parse(argc, argv);
+    app->parse(std::move(words));
   } catch (const CLI::ParseError& error) {
     // --help arrives here as well, with exit code 0.
     if (error.get_exit_code() == 0) return app->exit(error);
-    const std::span arguments(argv, static_cast<std::size_t>(argc));
-    const bool json = std::ranges::find(arguments, std::string_view("--json")) != arguments.end();
     report(usage_error(error.what()), json);
     return static_cast<int>(ExitCode::usage);
   }
@@ -66,4 +78,6 @@ int run_command_line(int argc, char** argv) {
 }  // namespace
 }  // namespace cnc::ctl
 
-int main(int argc, char** argv) { return cnc::ctl::run_command_line(argc, argv); }
+int main(int argc, char** argv) {
+  return cnc::ctl::run_command_line({argv, static_cast<std::size_t>(argc)});
+}
