@@ -13,11 +13,16 @@ constexpr double kToleranceMillimetres = 0.002;
 constexpr double kToleranceInches = 0.0002;
 constexpr double kRelativeTolerance = 0.001;
 
-[[nodiscard]] double distance(PlanePoint a, PlanePoint b) {
+}  // namespace
+
+double distance(PlanePoint a, PlanePoint b) {
   return std::hypot(b.first - a.first, b.second - a.second);
 }
 
-}  // namespace
+PlanePoint in_plane(const Position& position, Plane plane) {
+  const PlaneAxes axes = axes_of(plane);
+  return {position[axes.first], position[axes.second]};
+}
 
 double radius_tolerance(LengthUnit unit, double radius) {
   const double absolute =
@@ -30,7 +35,7 @@ Accepted check_centre(PlanePoint start, PlanePoint end, PlanePoint centre, Lengt
   const double at_start = distance(centre, start);
   const double at_end = distance(centre, end);
   const double larger = std::max(at_start, at_end);
-  if (larger == 0.0) {
+  if (larger < kSamePoint) {
     return refuse(ErrorCode::arc_radius_zero, span, "The centre of this arc is its start point.",
                   "I J K so that the radius is not 0.");
   }
@@ -47,7 +52,7 @@ Parsed<PlanePoint> centre_of_radius(PlanePoint start, PlanePoint end, double rad
   if (radius == 0.0) {
     return refuse(ErrorCode::arc_radius_zero, span, "R is 0.", "A radius that is not 0.");
   }
-  if (start == end) {
+  if (distance(start, end) < kSamePoint) {
     return refuse(ErrorCode::arc_radius_end_is_start, span,
                   "An arc with R must end at another point than it starts from.",
                   "A full circle with I J K.");

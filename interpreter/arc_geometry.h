@@ -10,9 +10,14 @@ namespace cnc::interp {
 struct PlanePoint {
   double first = 0.0;
   double second = 0.0;
-
-  friend bool operator==(PlanePoint, PlanePoint) = default;
 };
+
+/// Points closer than this, mm, are one: far below any step, far above the rounding of positions.
+/// An arc that ends so close to its start is a full circle, for the planner too (motion/curve.h).
+inline constexpr double kSamePoint = 1e-6;
+
+[[nodiscard]] double distance(PlanePoint a, PlanePoint b);
+[[nodiscard]] PlanePoint in_plane(const Position& position, Plane plane);
 
 /// How far the two radii of an arc may differ. The manual says 0.002 mm or 0.0002 inch. Post
 /// processors that round to three decimals miss that on large arcs, so 0.1 % of the radius is

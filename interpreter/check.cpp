@@ -7,6 +7,8 @@
 #include <set>
 #include <utility>
 
+#include "interpreter/arc_geometry.h"
+
 namespace cnc::interp {
 
 void Extents::add(Axis axis, double value) {
@@ -36,20 +38,19 @@ namespace {
 void add_quadrants(Extents& extents, const Position& start, const ArcMove& arc) {
   constexpr double kQuarter = std::numbers::pi / 2.0;
   const PlaneAxes axes = axes_of(arc.plane);
-  const auto angle = [&](const Position& p) {
-    return std::atan2(p[axes.second] - arc.second_centre, p[axes.first] - arc.first_centre);
+  const PlanePoint centre{arc.first_centre, arc.second_centre};
+  const PlanePoint from = in_plane(arc.turns > 0 ? start : arc.end, arc.plane);
+  const PlanePoint to = in_plane(arc.turns > 0 ? arc.end : start, arc.plane);
+  const auto angle = [&](PlanePoint p) {
+    return std::atan2(p.second - centre.second, p.first - centre.first);
   };
-  const double radius =
-      std::hypot(start[axes.first] - arc.first_centre, start[axes.second] - arc.second_centre);
-  const bool counterclockwise = arc.turns > 0;
-  const double from = counterclockwise ? angle(start) : angle(arc.end);
-  const double to = counterclockwise ? angle(arc.end) : angle(start);
-  double sweep = full_turn(to - from);
-  const bool full = std::abs(arc.turns) > 1 || (start[axes.first] == arc.end[axes.first] &&
-                                                start[axes.second] == arc.end[axes.second]);
-  if (full) sweep = 2.0 * std::numbers::pi;
+  // A little spiral (rounded centres) stays within its larger radius.
+  const double radius = std::max(distance(centre, from), distance(centre, to));
+  const bool full = std::abs(arc.turns) > 1 || distance(from, to) < kSamePoint;
+  const double begin = angle(from);
+  const double sweep = full ? 2.0 * std::numbers::pi : full_turn(angle(to) - begin);
   for (int quarter = 0; quarter < 4; ++quarter) {
-    if (full_turn(quarter * kQuarter - from) > sweep) continue;
+    if (full_turn(quarter * kQuarter - begin) > sweep) continue;
     const double side = quarter < 2 ? radius : -radius;
     if (quarter % 2 == 0) {
       extents.add(axes.first, arc.first_centre + side);

@@ -144,10 +144,6 @@ Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const C
   return centre;
 }
 
-[[nodiscard]] PlanePoint in_plane(const Position& position, const PlaneAxes& axes) {
-  return {position[axes.first], position[axes.second]};
-}
-
 [[nodiscard]] bool has_axis_words(const Block& block) { return (block.words() & kAxisWords) != 0; }
 
 }  // namespace
@@ -182,7 +178,7 @@ Accepted arc_move(Execution& x) {
 
   const Position end = target(x);
   const auto centre =
-      arc_centre(x, axes, words, in_plane(state.position, axes), in_plane(end, axes));
+      arc_centre(x, axes, words, in_plane(state.position, plane), in_plane(end, plane));
   if (!centre) return std::unexpected(centre.error());
   use_feed_for(x, end);
   x.emit(ArcMove{end, centre->first, centre->second, x.code() == kClockwiseArc ? -1 : 1, plane});

@@ -106,3 +106,27 @@ TEST_CASE("The tolerance case of LinuxCNC keeps its end points", "[GCO-2]") {
   const CheckReport report = check_file("linuxcnc--good-arc.medium.metric.ngc");
   CHECK(report.motion.highest[Axis::X] == 2000.0);
 }
+
+TEST_CASE("The sample programs of the PSCNC manual run", "[LNG-11]") {
+  const std::string manual =
+      read_file(std::string(CNC_SOURCE_DIR) + "/../shared/seeds/pscnc-manual.md");
+  if (manual.empty()) {
+    WARN("The PSCNC manual is not here: test skipped.");
+    return;
+  }
+  const auto title = GENERATE(as<std::string>{}, "### *Rectangular Path with Rounded Corners*",
+                              "### *Center Drill and Finish Drill a Hole Pattern*");
+  INFO(title);
+  const std::size_t found = manual.find(title);
+  REQUIRE(found != std::string::npos);
+  const std::size_t begin = found + title.size();
+  const std::string text = manual.substr(begin, manual.find("###", begin) - begin);
+
+  Bench bench;
+  bench.settings.default_unit = LengthUnit::inch;
+  const Outcome outcome = bench.run(text);
+  INFO(outcome.diagnostic.to_string());
+  CHECK_FALSE(outcome.failed);
+  CHECK(outcome.lines.size() > 15);
+  CHECK(outcome.lines.back() == "PROGRAM_END()");
+}
