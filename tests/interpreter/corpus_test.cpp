@@ -13,7 +13,8 @@ using namespace cnc::interp::test;
 
 namespace {
 
-const std::string kCorpus = std::string(CNC_SOURCE_DIR) + "/../shared/corpus/gcode/";
+const std::string kShared = std::string(CNC_SOURCE_DIR) + "/../shared/";
+const std::string kCorpus = kShared + "corpus/gcode/";
 
 bool corpus_missing() {
   if (std::filesystem::exists(kCorpus)) return false;
@@ -108,8 +109,7 @@ TEST_CASE("The tolerance case of LinuxCNC keeps its end points", "[GCO-2]") {
 }
 
 TEST_CASE("The sample programs of the PSCNC manual run", "[LNG-11]") {
-  const std::string manual =
-      read_file(std::string(CNC_SOURCE_DIR) + "/../shared/seeds/pscnc-manual.md");
+  const std::string manual = read_file(kShared + "seeds/pscnc-manual.md");
   if (manual.empty()) {
     WARN("The PSCNC manual is not here: test skipped.");
     return;
