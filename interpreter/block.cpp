@@ -46,6 +46,11 @@ void Block::clear() {
 Accepted Block::add_word(char letter, double value, Span span) {
   if (letter == 'G') return add_g_code(value, span);
   if (letter == 'M') return add_m_code(value, span);
+  if (!(std::abs(value) <= kMaxWordValue)) {  // NaN too
+    return refuse(ErrorCode::word_out_of_range, span,
+                  fmt::format("{} cannot be {:.6g}.", letter, value),
+                  fmt::format("Values up to {:.0e}.", kMaxWordValue));
+  }
   if (has(letter)) {
     return refuse(ErrorCode::word_repeated, span,
                   fmt::format("The word {} stands twice on this line.", letter),

@@ -88,6 +88,9 @@ class Block {
   Message comment_;
 };
 
+/// No machine has a word or a stored length as large as this; sums of such values stay finite.
+inline constexpr double kMaxWordValue = 1e9;
+
 /// `value` as the whole number that it is meant to be: within 0.0001 of one (manual 3.2.2.1).
 [[nodiscard]] std::optional<std::int32_t> whole_number(double value);
 

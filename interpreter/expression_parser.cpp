@@ -1,5 +1,6 @@
 #include "interpreter/expression_parser.h"
 
+#include <cmath>
 #include <fmt/format.h>
 
 #include "config/parameter_store.h"
@@ -109,6 +110,10 @@ Accepted ExpressionParser::parse_primary() {
     const ScannedNumber number = scan_number(begin, cursor_.end());
     if (number.end != begin) {
       cursor_.move_to(number.end);
+      if (!std::isfinite(number.value)) {
+        return refuse(ErrorCode::result_not_finite, cursor_.span_from(begin),
+                      "This number is too large.");
+      }
       emit({OpCode::push_number, cursor_.span_from(begin), 0, number.value});
       return {};
     }

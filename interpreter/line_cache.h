@@ -1,7 +1,8 @@
 // Parsed lines that run more than once: loops and subs are parsed once and evaluated often.
 //
-// A line is kept from its second run on, so a program without loops never fills the cache. Bounded:
-// a line shares its slot with every 1024th other line, and the one that runs takes it.
+// Lines of subs are kept from their first run, others from their second, so a program without loops
+// and subs never fills the cache. Bounded: a line shares its slot with every 1024th other line, and
+// the one that runs takes it.
 #pragma once
 
 #include <array>
@@ -19,8 +20,8 @@ class LineCache {
     const Slot& slot = slots_[number % kSlots];
     return number != 0 && slot.number == number ? slot.line.get() : nullptr;
   }
-  /// Whether `number` has run before. Remembers the highest line only: control goes back in loops
-  /// and returns, and a sub that was jumped over is parsed once more than necessary.
+  /// Whether `number`, a line outside of subs, has run before: the highest one so far tells,
+  /// because only loops go back there.
   [[nodiscard]] bool has_run(std::uint32_t number) {
     if (number <= highest_) return true;
     highest_ = number;

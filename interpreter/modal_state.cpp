@@ -27,9 +27,8 @@ constexpr std::array<std::string_view, 3> kSpindle{"M5", "M3", "M4"};
 
 /// F as it was written.
 [[nodiscard]] double programmed_feed(const ModalState& modal) {
-  const double per_minute = modal.feed * 60.0;
-  if (modal.feed_mode == FeedMode::inverse_time) return per_minute;
-  return per_minute / millimetres_per(modal.unit);
+  if (modal.feed_mode == FeedMode::inverse_time) return modal.feed * 60.0;
+  return modal.linear_feed * 60.0 / millimetres_per(modal.unit);
 }
 
 }  // namespace

@@ -29,6 +29,10 @@ class ParameterAccess {
 
   /// Refuses what only the machine writes.
   [[nodiscard]] static Accepted check_writable(std::int32_t number, Span span);
+  /// Whether it has a meaning for the machine.
+  [[nodiscard]] static constexpr bool is_system(std::int32_t number) {
+    return number >= kFirstSystem;
+  }
   /// Whether writing it changes the offsets in force.
   [[nodiscard]] static bool affects_offsets(std::int32_t number);
 

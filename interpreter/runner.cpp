@@ -169,7 +169,7 @@ bool Runner::is_skipped() const {
 
 Parsed<const Line*> Runner::parsed_line() {
   if (const Line* kept = cache_.find(line_number_)) return kept;
-  const bool keep = cache_.has_run(line_number_);
+  const bool keep = !calls_.empty() || cache_.has_run(line_number_);
   Line& line = keep ? cache_.slot_for(line_number_) : scratch_;
   if (Accepted parsed = parse_line(line_text_, line); !parsed) {
     return std::unexpected(std::move(parsed.error()));

@@ -88,6 +88,12 @@ TEST_CASE("Subs are called before or behind their definition, in any case, and b
         40);
 }
 
+TEST_CASE("A sub that is called a thousand times is evaluated anew each time", "[LNG-3]") {
+  // 0 + 1 + ... + 999
+  CHECK(result_of("#2=0\nwhile [#2 < 1000]\ngosub add\n#2=[#2+1]\nendwhile\nif [0]\nsub add\n"
+                  "#1=[#1+#2]\nendsub\nendif") == 499500);
+}
+
 TEST_CASE("A definition that is reached is not executed", "[LNG-3]") {
   CHECK(result_of("#1=1\nsub never\n#1=2\nend sub") == 1);
 }

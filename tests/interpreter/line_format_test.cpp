@@ -82,6 +82,17 @@ TEST_CASE("What a line must not hold is refused with its place", "[GCO-1][LNG-10
   CHECK(refusal_of(row.text) == row.expected);
 }
 
+TEST_CASE("Numbers beyond any machine are refused instead of becoming infinite",
+          "[GCO-1][LNG-10]") {
+  const std::string huge(400, '9');
+  CHECK(refusal_of("G0 X" + huge) == "word_out_of_range@4");
+  CHECK(refusal_of("G0 X[" + huge + "-1]") == "result_not_finite@6");
+  CHECK(refusal_of("G0 X2000000000") == "word_out_of_range@4");
+  CHECK(refusal_of("#5221=[10**300]") == "word_out_of_range@1");
+  CHECK(refusal_of("#1=[10**300]\nG0 X#1") == "word_out_of_range@4");
+  CHECK(end_of("G0 X999999999\n")[Axis::X] == 999999999.0);
+}
+
 TEST_CASE("Two codes of one modal group are refused, whatever group", "[GCO-1]") {
   // Table 3-3 of the manual, the groups with more than one code here.
   const auto pair = GENERATE(as<std::string>{}, "G0 G1 X1 F1", "G2 G3 X1 I1", "G17 G18", "G90 G91",

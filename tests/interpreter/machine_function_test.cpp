@@ -96,6 +96,7 @@ TEST_CASE("Modal state is kept from program to program until reset", "[STA-2]") 
 }
 
 TEST_CASE("Active codes are shown in program units", "[GUI-2]") {
+  CHECK_THAT(run("G20\nF10\nG1 A5\n").modal.active_codes(), Catch::Matchers::Contains(" F10 "));
   CHECK(run("G20\nG64 F10\nG43 H2\nG59.2 G90.1 M7\nG92 X1\n").modal.active_codes() ==
         "G80 G17 G20 G40 G43 H2 G59.2 G64 G90 G90.1 G92 G94 M5 M7 M48 T0 F10 S0");
 }
