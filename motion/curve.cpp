@@ -101,6 +101,8 @@ double Arc::angle(double s) const {
   return start_angle_ + sweep_ * part;
 }
 
+double Arc::pitch() const { return std::atan(radial_rate_ / tangential_rate_); }
+
 double Arc::place_of_turn(double turned) const {
   const double part = turned / std::abs(sweep_);
   return log_growth_ == 0.0 ? length_ * part

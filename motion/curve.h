@@ -71,6 +71,8 @@ class Arc {
   [[nodiscard]] double sweep() const { return sweep_; }
   [[nodiscard]] double radius(double s) const { return start_radius_ + radial_rate_ * s; }
   [[nodiscard]] double angle(double s) const;
+  /// Angle by which the tangent leans out of the circle; 0 unless the radius changes.
+  [[nodiscard]] double pitch() const;
   /// Parameter at which `turned` radians of the sweep (0 … |sweep|) are done.
   [[nodiscard]] double place_of_turn(double turned) const;
 

@@ -21,13 +21,13 @@ Extents extents_of_line(const Position& start, const Position& end) {
 
 Extents extents_of_arc(const Arc& arc) {
   Extents extents = extents_of_line(arc.point(0.0), arc.end());
-  // The plane's axes are extreme at multiples of 90°. Of more than one turn the first and the last
-  // suffice: the radius grows or shrinks all the way.
+  // The plane's axes are extreme at multiples of 90°, on a spiral later by its pitch. Of more than
+  // one turn the first and the last suffice: the radius grows or shrinks all the way.
   constexpr double kQuarter = std::numbers::pi / 2.0;
   const double sense = arc.sweep() > 0.0 ? 1.0 : -1.0;
   const double total = std::abs(arc.sweep());
-  const double first_quarter = std::ceil(sense * arc.angle(0.0) / kQuarter) * kQuarter;
-  const double to_first = first_quarter - sense * arc.angle(0.0);
+  const double start = sense * (arc.angle(0.0) - arc.pitch());
+  const double to_first = std::ceil(start / kQuarter) * kQuarter - start;
   const auto include_quarters_from = [&](double turned) {
     for (int i = 0; i < 4 && turned <= total; ++i, turned += kQuarter) {
       extents.include(arc.point(arc.place_of_turn(turned)));

@@ -110,6 +110,11 @@ Leg straight_leg(const Straight& way) {
   return way.cruise();
 }
 
+/// The largest w that does not miss the machine's exit.
+double machine_w(const Exit& exit, double left, double x) {
+  return (exit.machine_x - x) / (2.0 * left);
+}
+
 /// A leg of a curved step with w, ending where the step ends or where it stands still.
 Leg curved_leg_with(double w, double left, double x) {
   const double exit_x = x + 2.0 * left * w;
@@ -118,11 +123,15 @@ Leg curved_leg_with(double w, double left, double x) {
   return {w, length, std::sqrt(x), 0.0};
 }
 
-/// Down to the feed that was lowered while moving, as hard as possible.
-Leg slow_down(const Step& step, double done, double x) {
+/// Down to the feed that was lowered while moving: as hard as possible, but over no less than the
+/// shortest setpoint where the limits leave the choice.
+Leg slow_down(const Step& step, double done, double x, const Exit& exit) {
   const double left = step.length - done;
-  const double w = hardest_braking(step, done, x);
-  const double length = w < 0.0 ? (x - step.wanted_x) / (-2.0 * w) : left;
+  const double excess = x - step.wanted_x;
+  const double gentle = -excess / (2.0 * kShortestSetpoint * std::sqrt(x));
+  const double bearable = std::min(allowed_w(step, done, x).high, machine_w(exit, left, x));
+  const double w = std::min(std::max(hardest_braking(step, done, x), gentle), bearable);
+  const double length = w < 0.0 ? excess / (-2.0 * w) : left;
   if (length >= left) return curved_leg_with(w, left, x);
   return {w, length, std::sqrt(x), std::sqrt(step.wanted_x)};
 }
@@ -138,13 +147,13 @@ Leg creep(const Step& step, double left, double exit_x) {
 Leg curved_leg(const Step& step, double done, double x, const Exit& exit) {
   const double left = step.length - done;
   if (x <= 0.0 && exit.wanted_x <= 0.0) return creep(step, left, exit.wanted_x);
-  if (x > step.wanted_x * (1.0 + kSameSpeed)) return slow_down(step, done, x);
+  if (x > step.wanted_x * (1.0 + kSameSpeed)) return slow_down(step, done, x, exit);
   const Range range = allowed_w(step, done, x);
   const double wanted = (exit.wanted_x - x) / (2.0 * left);
   // Rounding may leave the range empty by a hair; the upper bound is the one that matters then, and
   // what the machine's exit demands comes before everything.
   const double w = std::min(std::max(wanted, range.low), range.high);
-  return curved_leg_with(std::min(w, (exit.machine_x - x) / (2.0 * left)), left, x);
+  return curved_leg_with(std::min(w, machine_w(exit, left, x)), left, x);
 }
 
 }  // namespace

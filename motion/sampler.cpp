@@ -66,9 +66,9 @@ class Draft {
   [[nodiscard]] bool empty() const { return legs_ == 0; }
   [[nodiscard]] const Place& place() const { return place_; }
 
-  /// A whole motion from rest to rest may take its time: h is stretched to the shortest setpoint, or
-  /// where that is less to what one cubic needs, 6 d/h² <= a, for the way d = a t²/4 that two ramps
-  /// make in t.
+  /// A whole motion from rest to rest may take its time: h is stretched to the shortest setpoint,
+  /// or where that is less to what one cubic needs, 6 d/h² <= a, for the way d = a t²/4 that two
+  /// ramps make in t.
   [[nodiscard]] Setpoint setpoint() const {
     Setpoint result = setpoint_;
     if (from_rest_ && place_.speed == 0.0 && result.duration < kShortestSetpoint) {

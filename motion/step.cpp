@@ -65,6 +65,15 @@ double largest_x(const Rows& rows) {
   return x;
 }
 
+/// Largest |w| that the rows allow up to x.
+double largest_w(const Rows& rows, double x) {
+  double w = kInfinity;
+  for (int m = 0; m < rows.count; ++m) {
+    w = std::min(w, rows.row[m].width + std::abs(rows.row[m].slope) * x);
+  }
+  return w;
+}
+
 Range intersect(Range range, double gain, double offset, double limit, double x) {
   if (std::abs(gain) <= kInsensitive) return range;
   const double centre = -offset * x / gain;
@@ -84,23 +93,20 @@ double rotation_of(const Step& step) {
 }
 
 /// Part of the axes' accelerations that a curve must leave free, for two reasons. The limits are
-/// checked at both ends of a step only: a = q' w + q'' x with x' = 2w has a'' = 5 q''' w + q'''' x, and
-/// h²/8 of that is the height of the bow between the ends. And the cubic of a setpoint differs from
-/// the curve by the reserve, or by more on tiny arcs, of which even the shortest setpoint covers much.
-double free_part(const Step& step, const AxisLimits& limits) {
-  const double w = step.along;
-  const double x = std::min(largest_along(step.bend[0], limits.max_acceleration),
-                            largest_along(step.bend[1], limits.max_acceleration));
+/// checked at both ends of a step only: a = q' w + q'' x with x' = 2w has a'' = 5 q''' w + q'''' x,
+/// and h²/8 of that is the height of the bow between the ends. And the cubic of a setpoint differs
+/// from the curve by the reserve, or by more on tiny arcs, of which even the shortest setpoint
+/// covers much.
+double free_part(const Step& step, double x, double w) {
   const double h = step.length;
   const double r = step.rotation;
   const double bow = step.curvature * r * (5.0 * w + r * x) * h * h / 8.0;
-  const double cubic =
-      fourth_derivative(step, x, w) * kShortestSetpoint * kShortestSetpoint / 12.0;
+  const double cubic = fourth_derivative(step, x, w) * kShortestSetpoint * kShortestSetpoint / 12.0;
   return std::min(0.5, std::max(kCubicReserve, cubic / step.weakest) + bow / step.weakest);
 }
 
-/// Part of a velocity limit, mm/s, that the same cubics need: they differ in velocity by p h³ √3/216
-/// at most, and the sampler bounds p h⁴ and p h².
+/// Part of a velocity limit, mm/s, that the same cubics need: they differ in velocity by p h³
+/// √3/216 at most, and the sampler bounds p h⁴ and p h².
 double velocity_reserve(double weakest) {
   return std::sqrt(3.0) / 216.0 *
          std::sqrt(384.0 * kCubicTolerance * 12.0 * kCubicReserve * weakest);
@@ -121,16 +127,17 @@ void complete_straight(Step& step, const AxisLimits& limits) {
   step.machine_x = speed * speed;
 }
 
-/// Largest |q'| of each axis over the step, from both ends and the middle. A quadratic between three
-/// equidistant points exceeds the largest of them by at most an eighth of their second difference.
+/// Largest |q'| of each axis over the step, from both ends and the middle. A quadratic between
+/// three equidistant points exceeds the largest of them by at most an eighth of their second
+/// difference.
 Position largest_tangent(const Step& step, const Position& middle) {
   Position largest;
   for (const Axis axis : kAllAxes) {
     const double a = step.tangent[0][axis];
     const double b = middle[axis];
     const double c = step.tangent[1][axis];
-    largest[axis] = std::max({std::abs(a), std::abs(b), std::abs(c)}) +
-                    std::abs(a - 2.0 * b + c) / 8.0;
+    largest[axis] =
+        std::max({std::abs(a), std::abs(b), std::abs(c)}) + std::abs(a - 2.0 * b + c) / 8.0;
   }
   return largest;
 }
@@ -146,13 +153,15 @@ double speed_limit(const Step& step, const Position& middle_tangent, const AxisL
 void complete_curved(Step& step, const Position& middle_tangent, const AxisLimits& limits) {
   step.curvature = std::max(norm(step.bend[0]), norm(step.bend[1]));
   step.rotation = rotation_of(step);
-  step.along = std::min(largest_along(step.tangent[0], limits.max_acceleration),
-                        largest_along(step.tangent[1], limits.max_acceleration));
-  const double share = 1.0 - free_part(step, limits);
-  step.acceleration = limits.max_acceleration * share;
-  step.along *= share;
   const double speed = speed_limit(step, middle_tangent, limits);
-  step.machine_x = std::min(speed * speed, largest_x(rows_of(step)));
+  const Rows rows = rows_of(step);
+  const double x = std::min(speed * speed, largest_x(rows));
+  const double share = 1.0 - free_part(step, x, largest_w(rows, x));
+  // All rows are proportional to the accelerations, and so is what follows from them.
+  step.acceleration *= share;
+  step.machine_x = std::min(speed * speed, share * largest_x(rows));
+  step.along = std::min(largest_along(step.tangent[0], step.acceleration),
+                        largest_along(step.tangent[1], step.acceleration));
 }
 
 }  // namespace

@@ -42,7 +42,7 @@ struct Step {
 
   double along = 0.0;      ///< largest |w| at x = 0
   double curvature = 0.0;  ///< largest |q''|
-  double rotation = 0.0;  ///< |q'''| / |q''|
+  double rotation = 0.0;   ///< |q'''| / |q''|
   double weakest = 0.0;    ///< smallest acceleration limit of the axes that move
 
   double machine_x = 0.0;  ///< largest x that the axes allow

@@ -1,1 +1,151 @@
+#include "motion/jog.h"
+
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "tests/motion/trajectory.h"
+
+namespace cnc::motion::test {
+
+namespace {
+
+constexpr double kTick = 0.001;
+
+JogPlanner jog_at(double x) { return {reference_limits(), kTick, xyz(x, 0)}; }
+
+Trajectory draw(JogPlanner& jog, int count) {
+  Trajectory trajectory{jog.position(), {}};
+  for (int i = 0; i < count; ++i) {
+    const auto setpoint = jog.next();
+    if (!setpoint) break;
+    trajectory.setpoints.push_back(*setpoint);
+  }
+  return trajectory;
+}
+
+}  // namespace
+
+TEST_CASE("Jog reaches its speed at the axis' acceleration and stops at it", "[MAN-1]") {
+  JogPlanner jog = jog_at(0);
+  REQUIRE(jog.set_velocity(Axis::X, 50).has_value());
+  draw(jog, 100);  // 50/500 = 0.1 s
+  CHECK(jog.velocity()[Axis::X] == Approx(50.0));
+  CHECK(jog.position()[Axis::X] == Approx(2.5));
+  draw(jog, 100);
+  CHECK(jog.position()[Axis::X] == Approx(7.5));
+  jog.stop();
+  const Trajectory braking = draw(jog, 1000);
+  CHECK(braking.setpoints.size() == 100);
+  CHECK(jog.position()[Axis::X] == Approx(10.0));
+  CHECK(jog.standing());
+  CHECK_FALSE(jog.next().has_value());
+}
+
+TEST_CASE("Jog stops exactly at a soft limit and does not leave it", "[MAN-1]") {
+  JogPlanner jog = jog_at(0);
+  jog.set_travel(Axis::X, {-3.0, 12.345});
+  REQUIRE(jog.set_velocity(Axis::X, 80).has_value());
+  draw(jog, 10'000);
+  CHECK(jog.position()[Axis::X] == 12.345);
+  CHECK(jog.standing());
+  REQUIRE(jog.set_velocity(Axis::X, -80).has_value());
+  draw(jog, 10'000);
+  CHECK(jog.position()[Axis::X] == -3.0);
+}
+
+TEST_CASE("Outside of its travel an axis can only be jogged back", "[MAN-1]") {
+  JogPlanner jog = jog_at(20);
+  jog.set_travel(Axis::X, {0.0, 10.0});
+  REQUIRE(jog.set_velocity(Axis::X, 10).has_value());
+  CHECK_FALSE(jog.next().has_value());
+  REQUIRE(jog.set_velocity(Axis::X, -10).has_value());
+  draw(jog, 10'000);
+  CHECK(jog.position()[Axis::X] == 0.0);
+}
+
+TEST_CASE("A step jog ends exactly at its distance in the time of the trapezoid", "[MAN-2]") {
+  for (const double distance : {0.0001, 0.001, 0.01, 0.1, 1.0, 12.3}) {
+    JogPlanner jog = jog_at(1);
+    REQUIRE(jog.move_by(Axis::X, distance, 100).has_value());
+    const Trajectory trajectory = draw(jog, 100'000);
+    CHECK(jog.position()[Axis::X] == 1 + distance);
+    CHECK(jog.standing());
+    // Triangle below 20 mm: 2 sqrt(d / a), and the ticks cost two of them at most.
+    const double least = 2.0 * std::sqrt(distance / 500.0);
+    CHECK(trajectory.duration() >= least * (1.0 - 1e-9));
+    CHECK(trajectory.duration() <= least + 2.0 * kTick + 1e-9);
+  }
+}
+
+TEST_CASE("Step jogs add up while the axis is still on its way", "[MAN-2]") {
+  JogPlanner jog = jog_at(0);
+  for (int i = 0; i < 5; ++i) {
+    REQUIRE(jog.move_by(Axis::X, 1.0, 100).has_value());
+    draw(jog, 7);
+  }
+  draw(jog, 10'000);
+  CHECK(jog.position()[Axis::X] == 5.0);
+}
+
+TEST_CASE("Jog values that are not usable are refused", "[MAN-1][MAN-2]") {
+  AxisLimits limits = reference_limits();
+  limits.max_velocity[Axis::B] = 0.0;
+  JogPlanner jog(limits, kTick, {});
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  CHECK_FALSE(jog.set_velocity(Axis::X, nan).has_value());
+  CHECK_FALSE(jog.move_by(Axis::X, nan, 10).has_value());
+  CHECK_FALSE(jog.move_by(Axis::X, 1, 0).has_value());
+  CHECK_FALSE(jog.move_to(Axis::X, 1, -5).has_value());
+  CHECK_FALSE(jog.set_velocity(Axis::B, 1).has_value());
+  CHECK_FALSE(jog.next().has_value());
+}
+
+TEST_CASE("Whatever the keys do, jogging keeps limits, travel and exact ends", "[MAN-1][MAN-2]") {
+  for (std::uint32_t seed = 1; seed <= 200; ++seed) {
+    CAPTURE(seed);
+    std::mt19937 engine(seed);
+    const auto between = [&](double low, double high) {
+      return std::uniform_real_distribution<double>(low, high)(engine);
+    };
+    AxisLimits limits = reference_limits();
+    limits.max_acceleration[Axis::X] = between(10, 3000);
+    JogPlanner jog(limits, between(0.0005, 0.02), {});
+    for (const Axis axis : kLinearAxes) jog.set_travel(axis, {-30.0, 40.0});
+    Trajectory trajectory{{}, {}};
+    double target = 0.0;
+    for (int i = 0; i < 40; ++i) {
+      const Axis axis = kLinearAxes[static_cast<std::size_t>(i % 3)];
+      target = between(-60, 60);
+      if (i % 5 < 3) {
+        REQUIRE(jog.set_velocity(axis, between(-150, 150)).has_value());
+      } else {
+        REQUIRE(jog.move_to(axis, target, between(0.1, 150)).has_value());
+      }
+      const Trajectory part = draw(jog, static_cast<int>(between(0, 200)));
+      trajectory.setpoints.insert(trajectory.setpoints.end(), part.setpoints.begin(),
+                                  part.setpoints.end());
+    }
+    target = between(-30, 40);
+    jog.stop();
+    REQUIRE(jog.move_to(Axis::X, target, 100).has_value());
+    const Trajectory last = draw(jog, 1'000'000);
+    trajectory.setpoints.insert(trajectory.setpoints.end(), last.setpoints.begin(),
+                                last.setpoints.end());
+    CHECK(jog.position()[Axis::X] == target);
+    CHECK(jog.standing());
+    const Usage usage = usage_of(trajectory, limits);
+    CHECK(usage.velocity <= 1.0 + 1e-6);
+    CHECK(usage.acceleration <= 1.0 + 1e-6);
+    for (const Setpoint& setpoint : trajectory.setpoints) {
+      for (const Axis axis : kLinearAxes) {
+        CHECK(setpoint.position[axis] >= -30.0);
+        CHECK(setpoint.position[axis] <= 40.0);
+      }
+    }
+  }
+}
+
+}  // namespace cnc::motion::test

@@ -62,9 +62,9 @@ TEST_CASE("The square of 100 mm with exact corners takes 4.8 s", "[MOT-1][MOT-2]
 
 TEST_CASE("A full circle of 100 mm takes its circumference over the feed and little more",
           "[MOT-1][MOT-4]") {
-  // π 100 / 100 = 3.1416 s, and 100/500 = 0.2 s for starting and stopping along Y: 3.3416 s. While the
-  // tangent turns away from Y a little more than 500 mm/s² is possible: the bound of the reference is
-  // 3.340 s. The curve's reserve and grid may cost 0.3 %.
+  // π 100 / 100 = 3.1416 s, and 100/500 = 0.2 s for starting and stopping along Y: 3.3416 s. While
+  // the tangent turns away from Y a little more than 500 mm/s² is possible: the bound of the
+  // reference is 3.340 s. The curve's reserve and grid may cost 0.3 %.
   Planner planner(reference_settings(), {});
   Path path({});
   add_arc(planner, path, {xyz(0, 0), Plane::xy, 50.0, 0.0, 1}, feed_of(100));

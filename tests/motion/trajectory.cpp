@@ -67,15 +67,6 @@ void for_each_cubic(const Trajectory& trajectory, Visit visit) {
   }
 }
 
-double fastest(const AxisCubic& cubic) {
-  double speed = std::max(std::abs(cubic.v0), std::abs(cubic.v1));
-  const double turning = -cubic.start_acceleration() / cubic.jerk();
-  if (turning > 0.0 && turning < cubic.duration) {
-    speed = std::max(speed, std::abs(cubic.velocity(turning)));
-  }
-  return speed;
-}
-
 /// Position on `curve` nearest to `p`, by Newton's method from `s`.
 double nearest(const Curve& curve, const Position& p, double s) {
   for (int i = 0; i < 8; ++i) {
@@ -94,7 +85,7 @@ Usage usage_of(const Trajectory& trajectory, const AxisLimits& limits) {
   for_each_cubic(trajectory, [&](Axis axis, const AxisCubic& cubic) {
     const double acceleration =
         std::max(std::abs(cubic.start_acceleration()), std::abs(cubic.end_acceleration()));
-    usage.velocity = std::max(usage.velocity, fastest(cubic) / limits.max_velocity[axis]);
+    usage.velocity = std::max(usage.velocity, cubic.fastest() / limits.max_velocity[axis]);
     usage.acceleration = std::max(usage.acceleration, acceleration / limits.max_acceleration[axis]);
   });
   return usage;

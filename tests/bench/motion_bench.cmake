@@ -1,0 +1,1 @@
+cnc_bench(motion_bench SOURCES motion_bench.cpp LINKS cnc_motion)

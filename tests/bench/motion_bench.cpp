@@ -1,0 +1,128 @@
+// How fast the planner is, and how close its job times are to what the limits allow.
+//
+// Limits as in the reference figures: 100 mm/s and 500 mm/s² on each of X Y Z, feed 100 mm/s.
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fmt/core.h>
+#include <numbers>
+
+#include "motion/planner.h"
+
+namespace {
+
+using namespace cnc;
+using namespace cnc::motion;
+
+constexpr double kPi = std::numbers::pi;
+
+Position xyz(double x, double y, double z = 0.0) {
+  Position p;
+  p[Axis::X] = x;
+  p[Axis::Y] = y;
+  p[Axis::Z] = z;
+  return p;
+}
+
+PlannerSettings settings() {
+  return {{Position::filled(100.0), Position::filled(500.0)}, 0.005, 1.0};
+}
+
+MoveOptions feed() {
+  MoveOptions options;
+  options.feed = 100.0;
+  return options;
+}
+
+/// What a program did with the planner.
+struct Run {
+  Planner planner{settings(), {}};
+  double job_time = 0.0;
+  long setpoints = 0;
+
+  void draw() {
+    const auto setpoint = planner.next();
+    if (!setpoint) return;
+    job_time += setpoint->duration;
+    ++setpoints;
+  }
+  void accept(const Result<void>& result) {
+    if (!result) {
+      fmt::print("refused: {}\n", result.error().to_string());
+      std::exit(1);
+    }
+    while (planner.full()) draw();
+  }
+  void line(const Position& end) { accept(planner.add_line(end, feed())); }
+  void arc(const ArcShape& shape) { accept(planner.add_arc(shape, feed())); }
+  void finish() {
+    while (!planner.idle()) draw();
+  }
+};
+
+/// A wavy line of `count` chords of 0.5 mm; neighbours differ by less than the LAF angle.
+void chords(Run& run, int count) {
+  double x = 0.0;
+  double y = 0.0;
+  for (int i = 0; i < count; ++i) {
+    const double heading = 0.8 * std::sin(0.01 * i);
+    x += 0.5 * std::cos(heading);
+    y += 0.5 * std::sin(heading);
+    run.line(xyz(x, y));
+  }
+}
+
+/// Half circles of 5 mm radius, up and down, that touch each other.
+void waves(Run& run, int count) {
+  for (int i = 0; i < count; ++i) {
+    const double x = 10.0 * i;
+    run.arc({xyz(x + 10.0, 0), Plane::xy, x + 5.0, 0.0, i % 2 == 0 ? 1 : -1});
+  }
+}
+
+template <typename Program>
+void measure_rate(const char* name, int count, Program program) {
+  const auto begin = std::chrono::steady_clock::now();
+  Run run;
+  program(run, count);
+  run.finish();
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  fmt::print("{:<28} {:>10.0f} moves/s {:>10.0f} setpoints/s {:>8.0f} s of motion per s\n", name,
+             count / wall.count(), static_cast<double>(run.setpoints) / wall.count(),
+             run.job_time / wall.count());
+}
+
+template <typename Program>
+void measure_time(const char* name, double bound, Program program) {
+  Run run;
+  program(run);
+  run.finish();
+  fmt::print("{:<28} {:>9.4f} s, bound {:>8.4f} s, ratio {:.4f}, {} setpoints\n", name,
+             run.job_time, bound, run.job_time / bound, run.setpoints);
+}
+
+}  // namespace
+
+int main() {
+  measure_rate("lines of 0.5 mm", 200'000, chords);
+  measure_rate("half circles of R 5 mm", 5'000, waves);
+
+  // Four sides of 1.2 s.
+  measure_time("square 100 mm, exact stop", 4.8, [](Run& run) {
+    for (const Position& corner : {xyz(100, 0), xyz(100, 100), xyz(0, 100), xyz(0, 0)}) {
+      run.line(corner);
+    }
+  });
+  // The bound that trajcheck gives for this circle (peer-figures).
+  measure_time("circle 100 mm, one G3", 3.340, [](Run& run) {
+    run.arc({xyz(0, 0), Plane::xy, 50.0, 0.0, 1});
+  });
+  // 1000 chords of 0.314 mm, 0.36° between them: the circle's bound, if corners cost nothing.
+  measure_time("circle 100 mm, 1000 chords", 3.340, [](Run& run) {
+    for (int i = 1; i <= 1000; ++i) {
+      const double phi = 2.0 * kPi * i / 1000.0;
+      run.line(xyz(50.0 - 50.0 * std::cos(phi), -50.0 * std::sin(phi)));
+    }
+  });
+}
