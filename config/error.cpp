@@ -26,6 +26,20 @@ const ErrorInfo& error_info(ErrorCode code) {
   return row != kTable.end() && row->code == code ? *row : kTable.front();
 }
 
+std::string errors_as_markdown() {
+  std::string page =
+      "# Errors\n\n"
+      "This page is written from `config/error_table.def`; a test fails when the two differ. A "
+      "message ends\n"
+      "with its number in brackets, `[E1001]`; the API carries number and name in "
+      "`cnc.v1.ErrorDetail`.\n\n"
+      "| number | name | what happened | what to check |\n|---|---|---|---|\n";
+  for (const ErrorInfo& row : kTable)
+    page += fmt::format("| E{} | {} | {} | {} |\n", static_cast<unsigned>(row.code), row.name,
+                        row.sentence, row.check);
+  return page;
+}
+
 std::string Error::to_string() const {
   const auto number = static_cast<unsigned>(code);
   if (!place) return fmt::format("{} [E{}]", message, number);

@@ -31,6 +31,8 @@ struct ErrorInfo {
 /// All rows, ascending by code.
 [[nodiscard]] std::span<const ErrorInfo> error_table();
 [[nodiscard]] const ErrorInfo& error_info(ErrorCode code);
+/// The whole table as docs/errors.md.
+[[nodiscard]] std::string errors_as_markdown();
 
 /// A place in a text file. Line and column count from 1; 0 means "not known".
 struct TextPlace {

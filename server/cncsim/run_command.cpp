@@ -1,11 +1,10 @@
-#include <fmt/format.h>
-
 #include <cmath>
+#include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
-#include "hal/sim/virtual_controller.h"
 #include "server/cncsim/options.h"
 #include "server/cncsim/trajectory.h"
+#include "server/simulation/simulation.h"
 
 namespace cnc::server {
 namespace {
@@ -14,57 +13,8 @@ constexpr int kGood = 0;
 constexpr int kJobFailed = 1;
 constexpr int kBadInput = 2;
 
-/// Virtual time between two cycles. Everything that has to be exact happens on the board's clock;
-/// this only has to be well below FifoTime.
+/// Virtual time between two cycles: long, because nothing here asks for a quick answer.
 constexpr double kCycle = 0.02;
-
-/// Machine, link and board in one thread under a virtual clock.
-class Simulation {
- public:
-  explicit Simulation(MachineData data)
-      : controller_(make_controller(data.config)),
-        virtual_machine_(controller_->machine()),
-        link_(std::move(controller_)),
-        machine_(std::move(data), link_, log_) {}
-
-  [[nodiscard]] Machine& machine() { return machine_; }
-  [[nodiscard]] const hal::sim::VirtualMachine& virtual_machine() const { return virtual_machine_; }
-  [[nodiscard]] const MessageLog& log() const { return log_; }
-  [[nodiscard]] double time() const { return now_; }
-
-  void cycle() {
-    link_.cycle(now_);
-    machine_.cycle(now_);
-    now_ += kCycle;
-  }
-
-  /// Runs until `state` is reached; false when the machine stops in a fault before.
-  bool cycle_until(State state) {
-    while (machine_.state() != state) {
-      if (machine_.state() == State::error || machine_.state() == State::estop) return false;
-      cycle();
-    }
-    return true;
-  }
-
- private:
-  static std::unique_ptr<hal::sim::VirtualController> make_controller(
-      const config::MachineConfig& config) {
-    hal::sim::SimOptions options;
-    options.machine.start = Position{};
-    auto controller = hal::sim::make_virtual_controller(config, options);
-    // In-process: connecting cannot fail.
-    static_cast<void>(controller->connect());
-    return controller;
-  }
-
-  MessageLog log_;
-  std::unique_ptr<hal::sim::VirtualController> controller_;
-  hal::sim::VirtualMachine& virtual_machine_;
-  Link link_;
-  Machine machine_;
-  double now_ = 0.0;
-};
 
 /// Prompts are answered "go on".
 void run_job(Simulation& simulation) {
@@ -133,7 +83,9 @@ void print_text(const config::MachineConfig& config, const Report& report) {
   const TrajectorySummary& path = report.trajectory;
   fmt::print("{} after {} lines\njob time  {:.3f} s\ndistance  {:.3f} mm\n\n",
              report.good ? "done" : "STOPPED", report.lines, path.time, path.distance);
-  fmt::print("axis         from           to   max velocity  of limit   max accel.  of limit  lost steps\n");
+  fmt::print(
+      "axis         from           to   max velocity  of limit   max accel.  of limit  lost "
+      "steps\n");
   for (const Axis axis : kAllAxes) {
     const config::AxisConfig& limits = config.axes[axis];
     if (!limits.connected()) continue;
@@ -171,7 +123,7 @@ int run_command(const RunOptions& options) {
     recorder.emplace(std::move(*created));
   }
 
-  Simulation simulation(std::move(*data));
+  Simulation simulation(std::move(*data), {.machine = {.start = Position{}}, .period = kCycle});
   Machine& machine = simulation.machine();
   TrajectoryStatistics statistics{Position{}};
   machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) {

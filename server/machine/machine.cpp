@@ -174,24 +174,38 @@ Result<Overrides> Machine::set_overrides(const Overrides& overrides) {
   return overrides;
 }
 
-/// As G10 L20: the offset of the active system is what makes the present position read `value`.
+/// G10 L20 for the active system, by the interpreter itself: there is one rule for offsets.
 Result<void> Machine::set_work_zero(const std::vector<WorkCoordinate>& coordinates) {
   if (auto allowed = allow(CommandKind::set_work_zero); !allowed) return allowed;
   if (coordinates.empty())
     return fail(ErrorCode::value_out_of_range, "Name at least one axis to set the work zero of.");
-  const ShownOffsets shown = job_.offsets();
-  Position offset = shown.work;
-  AxisArray<bool> named{};
-  for (const auto& [axis, value] : coordinates) {
-    if (std::exchange(named[axis], true) || !std::isfinite(value))
-      return fail(ErrorCode::value_out_of_range,
-                  fmt::format("The work coordinate of {} is given twice or is no number.",
-                              axis_name(axis)));
-    offset[axis] = feed_.commanded()[axis] - shown.g92[axis] - shown.tool[axis] - value;
+  const double unit = interp::millimetres_per(interpreter_.modal().unit);
+  std::string line = fmt::format("G10 L20 P{}", data_.parameters.active_system());
+  for (const auto& [axis, value] : coordinates)
+    line += fmt::format(" {}{:.9f}", axis_name(axis), is_rotary(axis) ? value : value / unit);
+  return interpret_now(line);
+}
+
+/// A line that only changes the interpreter's state and moves nothing.
+Result<void> Machine::interpret_now(std::string line) {
+  auto program = interp::Program::from_text(std::move(line), "work zero");
+  if (!program) return std::unexpected(program.error());
+  interpreter_.start(std::move(*program), feed_.commanded());
+  for (;;) {
+    switch (interpreter_.next()) {
+      case interp::Progress::command:
+      case interp::Progress::working: break;
+      case interp::Progress::failed: {
+        Error error = interpreter_.diagnostic().to_error();
+        interpreter_.stop();
+        return std::unexpected(std::move(error));
+      }
+      case interp::Progress::ended:
+        interpreter_.stop();
+        save_parameters();
+        return {};
+    }
   }
-  data_.parameters.set_work_offset(shown.system, offset);
-  save_parameters();
-  return {};
 }
 
 void Machine::shut_down() {

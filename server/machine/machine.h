@@ -95,6 +95,7 @@ class Machine {
   };
 
   [[nodiscard]] Result<void> allow(CommandKind command) const;
+  [[nodiscard]] Result<void> interpret_now(std::string line);
   void wait_for(WaitFor what, Completion done);
   void settle(WaitFor what, const Result<void>& result);
   void enter(State state) { state_ = state; }

@@ -4,6 +4,8 @@
 #include <functional>
 #include <set>
 
+#include "tests/config/temporary_directory.h"
+
 using namespace cnc;
 
 TEST_CASE("The error table is ascending, and every row says something") {
@@ -29,4 +31,9 @@ TEST_CASE("An error's text leads with its place and ends with its number") {
   CHECK(error.to_string() == "cnc.ini:12:3: No such file. [E1001]");
   CHECK(Error{ErrorCode::file_not_found, "No such file.", std::nullopt}.to_string() ==
         "No such file. [E1001]");
+}
+
+TEST_CASE("The page of the errors is the one that the table writes", "[LNG-10]") {
+  INFO("reference_pages errors > docs/errors.md brings the page up to date");
+  CHECK(config::test::content_of(CNC_SOURCE_DIR "/docs/errors.md") == errors_as_markdown());
 }

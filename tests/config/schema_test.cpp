@@ -124,6 +124,6 @@ TEST_CASE("What is allowed is said in words of the machine's unit", "[CFG-1][CFG
 }
 
 TEST_CASE("The page of the settings is the one that the table writes", "[CFG-1]") {
-  INFO("settings_page > docs/settings.md brings the page up to date");
+  INFO("reference_pages settings > docs/settings.md brings the page up to date");
   CHECK(test::content_of(CNC_SOURCE_DIR "/docs/settings.md") == settings_as_markdown());
 }

@@ -1,0 +1,45 @@
+// Machine, link and virtual board in one thread under a virtual clock: what cncsim and the tests
+// run. The parts are those of cncserver; only the threads and the clock are missing.
+#pragma once
+
+#include <memory>
+
+#include "hal/sim/virtual_controller.h"
+#include "server/machine/machine.h"
+
+namespace cnc::server {
+
+struct SimulationOptions {
+  hal::sim::MachineOptions machine{};
+  /// Virtual time between two cycles, s. Everything that has to be exact happens on the board's
+  /// clock; this only has to be well below FifoTime.
+  double period = 0.005;
+};
+
+class Simulation {
+ public:
+  explicit Simulation(MachineData data, const SimulationOptions& options = {});
+
+  [[nodiscard]] Machine& machine() { return machine_; }
+  [[nodiscard]] Link& link() { return link_; }
+  [[nodiscard]] hal::sim::VirtualMachine& virtual_machine() { return virtual_machine_; }
+  [[nodiscard]] const MessageLog& log() const { return log_; }
+  /// Of the next cycle, s.
+  [[nodiscard]] double time() const { return now_; }
+
+  /// The link's cycle, then the machine's.
+  void cycle();
+  /// Cycles until `state` is reached; false when the machine stops in a fault before.
+  bool cycle_until(State state);
+
+ private:
+  const double period_;
+  MessageLog log_;
+  std::unique_ptr<hal::sim::VirtualController> controller_;  // until the link takes it
+  hal::sim::VirtualMachine& virtual_machine_;
+  Link link_;
+  Machine machine_;
+  double now_ = 0.0;
+};
+
+}  // namespace cnc::server
