@@ -39,11 +39,13 @@ void add_load(CLI::App& app, Task& task) {
 void add_run(CLI::App& app, Task& task) {
   CLI::App& command = *app.add_subcommand("run", "Start the loaded program at its first line");
   const auto wait = std::make_shared<bool>(false);
-  const auto progress = std::make_shared<bool>(false);
+  const auto options = std::make_shared<RunOptions>();
   command.add_flag("--wait", *wait, "Until the job has ended; exit code 1 if it did not end well");
-  command.add_flag("--progress", *progress, "Like --wait, and show the progress");
-  command.callback([&task, wait, progress] {
-    if (!*wait && !*progress) {
+  command.add_flag("--progress", options->show_progress, "Like --wait, and show the progress");
+  command.add_flag("--go-on", options->go_on,
+                   "Like --wait, and resume after M0, M1 and tool changes: for simulated machines");
+  command.callback([&task, wait, options] {
+    if (!*wait && !options->show_progress && !options->go_on) {
       task.action = [](const Context& context) -> api::Result<ExitCode> {
         if (auto result = context.client.run(); !result) return std::unexpected(result.error());
         return ExitCode::ok;
@@ -51,7 +53,7 @@ void add_run(CLI::App& app, Task& task) {
       return;
     }
     task.when_interrupted = "the job goes on; 'cncctl stop' ends it";
-    task.action = [progress](const Context& context) { return run_and_wait(context, *progress); };
+    task.action = [options](const Context& context) { return run_and_wait(context, *options); };
   });
 }
 

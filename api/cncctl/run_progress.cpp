@@ -28,6 +28,9 @@ constexpr std::array kStatesOfAJob{MachineState::running,     MachineState::paus
 constexpr std::array kStatesThatWait{MachineState::paused, MachineState::program_stop,
                                      MachineState::tool_change};
 
+// The program asks for somebody's hand; a pause is somebody's will and is not answered for him.
+constexpr std::array kPrompts{MachineState::program_stop, MachineState::tool_change};
+
 // No job can be started in these.
 constexpr std::array kStatesWithoutJob{MachineState::off, MachineState::needs_reset,
                                        MachineState::estop, MachineState::error};
@@ -176,9 +179,33 @@ class EndOfRun {
   bool was_running_ = false;
 };
 
+/// Answers each prompt of the program once, and again every second while it stands: two prompts may
+/// follow each other so closely that no status shows the motion between them.
+class PromptAnswer {
+ public:
+  explicit PromptAnswer(const api::Client& client) : client_(client) {}
+
+  [[nodiscard]] api::Result<void> see(const api::MachineStatus& now) {
+    if (!is_one_of(kPrompts, now.state)) {
+      quiet_until_ = 0.0;
+      return {};
+    }
+    if (now.time < quiet_until_) return {};
+    quiet_until_ = now.time + 1.0;
+    auto resumed = client_.resume();
+    // Refused: the status was old, or somebody else has answered.
+    if (!resumed && resumed.error().kind != api::ErrorKind::refused) return resumed;
+    return {};
+  }
+
+ private:
+  const api::Client& client_;
+  double quiet_until_ = 0.0;  // s of the server's monotonic clock, which is never negative
+};
+
 }  // namespace
 
-api::Result<ExitCode> run_and_wait(const Context& context, bool show_progress) {
+api::Result<ExitCode> run_and_wait(const Context& context, const RunOptions& options) {
   const api::Client& client = context.client;
   const auto machine = client.machine();
   if (!machine) return std::unexpected(machine.error());
@@ -188,9 +215,10 @@ api::Result<ExitCode> run_and_wait(const Context& context, bool show_progress) {
 
   std::vector<api::Axis> axes;
   for (const api::AxisDescription& each : machine->axes) axes.push_back(each.axis);
-  ProgressPrinter printer(show_progress, context.options.json, std::move(axes));
+  ProgressPrinter printer(options.show_progress, context.options.json, std::move(axes));
 
   EndOfRun end(before->job.runs);
+  PromptAnswer prompts(client);
   Mailbox mailbox;
   const auto subscription = client.subscribe_status(
       {.max_rate = 10.0}, [&](const api::MachineStatus& status) { mailbox.put(status); },
@@ -205,6 +233,12 @@ api::Result<ExitCode> run_and_wait(const Context& context, bool show_progress) {
     }
     const api::MachineStatus& now = **status;
     printer.show(now);
+    if (options.go_on) {
+      if (auto answered = prompts.see(now); !answered) {
+        printer.end();
+        return std::unexpected(answered.error());
+      }
+    }
     if (!end.reached(now)) continue;
     printer.end();
     print_times(now.job, context.options.json);

@@ -5,8 +5,13 @@
 
 namespace cnc::ctl {
 
+struct RunOptions {
+  bool show_progress = false;
+  bool go_on = false;  ///< answers M0, M1 and tool changes with "resume"; never a pause
+};
+
 /// ok if the job reached its end; an Error with the machine's last error message if not. Losing the
 /// server is an error too: the job goes on if the server does. Ctrl-C answers `interrupted`.
-[[nodiscard]] api::Result<ExitCode> run_and_wait(const Context& context, bool show_progress);
+[[nodiscard]] api::Result<ExitCode> run_and_wait(const Context& context, const RunOptions& options);
 
 }  // namespace cnc::ctl

@@ -218,6 +218,7 @@ TEST_CASE("Commands arrive with their arguments", "[api]") {
                                           "Resume",
                                           "Stop",
                                           "Rewind"};
+  const std::lock_guard lock(f.machine.mutex);
   CHECK(f.machine.calls == expected);
 }
 

@@ -281,6 +281,26 @@ TEST_CASE("run --wait ends well with the job and tells both times", "[api][cncct
              Contains("50 % line 5/10 1:01 left") && Contains("job time 2:03, predicted 2:02"));
 }
 
+TEST_CASE("run --go-on answers a tool change but not a pause", "[api][cncctl]") {
+  Fixture f;
+  const auto [state, is_answered] = GENERATE(table<v1::MachineState, bool>(
+      {{v1::MACHINE_STATE_TOOL_CHANGE, true}, {v1::MACHINE_STATE_PAUSED, false}}));
+  f.machine.change([state = state](FakeMachine& m) {
+    m.when_run = [state](FakeMachine& machine) {
+      start_job(machine);
+      machine.status.set_state(state);
+    };
+  });
+  Process process = f.start({"run", "--go-on"});
+  // cncctl has seen the prompt when it has answered it, or, a pause, when some statuses were sent.
+  REQUIRE(f.machine.becomes([is_answered = is_answered](FakeMachine& m) {
+    return is_answered ? m.saw("Resume") : m.status.sequence() >= 5;
+  }));
+  CHECK(f.machine.has_seen("Resume") == is_answered);
+  f.machine.change([](FakeMachine& m) { end_job(m, true); });
+  CHECK(process.wait().exit_code == kOk);
+}
+
 TEST_CASE("run --wait of a job that fails answers the machine's error", "[api][cncctl]") {
   Fixture f;
   f.machine.change([](FakeMachine& m) { m.when_run = start_job; });
