@@ -118,11 +118,8 @@ std::string format_problem(const api::Problem& problem) {
 std::string format_message(const api::Message& message) {
   const auto seconds = std::chrono::floor<std::chrono::seconds>(message.time);
   const std::tm local = fmt::localtime(std::chrono::system_clock::to_time_t(seconds));
-  const std::string code =
-      message.error && message.error->code > 0 ? fmt::format(" [E{}]", message.error->code) : "";
-  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:03} {:<7} {}{}\n", local,
-                     (message.time - seconds).count(), name_of(message.severity), message.text,
-                     code);
+  return fmt::format("{:%Y-%m-%d %H:%M:%S}.{:03} {:<7} {}\n", local,
+                     (message.time - seconds).count(), name_of(message.severity), message.text);
 }
 
 }  // namespace cnc::ctl
