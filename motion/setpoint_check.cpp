@@ -46,8 +46,8 @@ Result<void> check_usable(const Setpoint& setpoint) {
 
 Result<void> check_travel(Axis axis, const AxisCubic& cubic, const Bounds& travel) {
   const Bounds positions = positions_of(cubic);
-  const double below = std::min(travel.min, cubic.p0) - kCheckTolerance;
-  const double above = std::max(travel.max, cubic.p0) + kCheckTolerance;
+  const double below = std::min(travel.min, cubic.p0) - kTravelTolerance;
+  const double above = std::max(travel.max, cubic.p0) + kTravelTolerance;
   if (positions.min >= below && positions.max <= above) return {};
   return fail(
       ErrorCode::setpoint_outside_travel,
@@ -58,7 +58,7 @@ Result<void> check_travel(Axis axis, const AxisCubic& cubic, const Bounds& trave
 Result<void> check_velocity(Axis axis, const AxisCubic& cubic, double limit) {
   const double fastest = cubic.fastest();
   const double rounding = 2.0 * kPositionRounding / cubic.duration;
-  if (fastest <= limit * (1.0 + kCheckTolerance) + rounding) return {};
+  if (fastest <= limit * (1.0 + kRateTolerance) + rounding) return {};
   return fail(ErrorCode::setpoint_too_fast,
               fmt::format("Axis {} would move at {:.6g} per second; its limit is {:.6g}.",
                           axis_name(axis), fastest, limit));
@@ -68,7 +68,7 @@ Result<void> check_acceleration(Axis axis, const AxisCubic& cubic, double limit)
   const double hardest =
       std::max(std::abs(cubic.start_acceleration()), std::abs(cubic.end_acceleration()));
   const double rounding = 6.0 * kPositionRounding / (cubic.duration * cubic.duration);
-  if (hardest <= limit * (1.0 + kCheckTolerance) + rounding) return {};
+  if (hardest <= limit * (1.0 + kRateTolerance) + rounding) return {};
   return fail(ErrorCode::setpoint_acceleration_too_high,
               fmt::format("Axis {} would accelerate with {:.6g} per second²; its limit is {:.6g}.",
                           axis_name(axis), hardest, limit));

@@ -13,8 +13,10 @@
 
 namespace cnc::motion {
 
-/// How much of a limit may be exceeded: rounding, nothing else.
-inline constexpr double kCheckTolerance = 1e-6;
+/// A planned setpoint keeps the limits but for rounding. The check lets a little more pass than the
+/// planner uses: it is there for faults, and stopping a cut for the last digit would be one.
+inline constexpr double kRateTolerance = 1e-3;    ///< part of a velocity or acceleration limit
+inline constexpr double kTravelTolerance = 2e-4;  ///< mm or degrees beyond the travel
 
 class SetpointCheck {
  public:

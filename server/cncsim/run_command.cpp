@@ -74,7 +74,8 @@ void print_json(const RunOptions& options, const Report& report) {
                            {"lost_steps", lost},
                            {"errors", errors},
                            {"messages", messages}};
-  fmt::print("{}\n", out.dump(2));
+  // A file in another encoding must not end the report.
+  fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
 void print_text(const config::MachineConfig& config, const Report& report) {

@@ -34,10 +34,11 @@ void JobControl::start(std::shared_ptr<const interp::Program> program, Kind kind
   kind_ = kind;
   active_ = true;
   waits_for_resume_ = false;
+  line_ = 0;
   error_.reset();
   notes_.clear();
   feed_.begin_motion(AxisArray<bool>::filled(true));
-  runner_.start(std::move(program), feed_.commanded());
+  runner_.start(std::move(program), feed_.commanded(), io_.spindle());
   apply_overrides();
 }
 
@@ -58,6 +59,7 @@ void JobControl::abandon() {
 
 JobSignal JobControl::cycle() {
   if (!active_) return JobSignal::none;
+  if (const std::uint32_t line = feed_.executing().tag.line; line != 0) line_ = line;
   show_due_notes();
   if (waits_for_resume_) return JobSignal::none;
 
@@ -94,6 +96,7 @@ JobSignal JobControl::cycle() {
 
 /// An action is performed at rest. Stops and tool changes wait for the operator's resume.
 JobSignal JobControl::perform(const JobEvent& event) {
+  line_ = event.command.source.line;
   const JobSignal signal = std::visit(
       Overloaded{
           [&](const interp::TurnSpindle& turn) {

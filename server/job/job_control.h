@@ -63,7 +63,8 @@ class JobControl {
   [[nodiscard]] std::int32_t tool() const { return tool_; }
   [[nodiscard]] std::int32_t selected_tool() const { return selected_tool_; }
   [[nodiscard]] ShownOffsets offsets() const;
-  [[nodiscard]] double feed() const { return programmed_feed_; }
+  /// Line of the program that is executed now, 0 before the first.
+  [[nodiscard]] std::uint32_t line() const { return line_; }
 
  private:
   struct DueNote {
@@ -94,7 +95,7 @@ class JobControl {
   bool speed_override_enabled_ = true;
   std::int32_t tool_ = 0;
   std::int32_t selected_tool_ = 0;
-  double programmed_feed_ = 0.0;
+  std::uint32_t line_ = 0;
   ShownOffsets offsets_;
   std::deque<DueNote> notes_;
   std::optional<Error> error_;

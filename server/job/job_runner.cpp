@@ -59,7 +59,8 @@ JobRunner::JobRunner(const config::MachineConfig& config, interp::Interpreter& i
                      motion::Planner& planner)
     : config_(config), interpreter_(interpreter), planner_(planner) {}
 
-void JobRunner::start(std::shared_ptr<const interp::Program> program, const Position& position) {
+void JobRunner::start(std::shared_ptr<const interp::Program> program, const Position& position,
+                      SpindleDirection spindle) {
   abandon();
   planner_.set_position(position);
   program_ = program;
@@ -67,6 +68,7 @@ void JobRunner::start(std::shared_ptr<const interp::Program> program, const Posi
   running_ = true;
   program_over_ = false;
   last_move_ = 0;
+  spindle_ = spindle;
 }
 
 void JobRunner::abandon() {
@@ -83,7 +85,7 @@ void JobRunner::abandon() {
 }
 
 JobRunner::Next JobRunner::next() {
-  if (!running_) return Next::ended;
+  if (!running_) return error_ ? Next::failed : Next::ended;
   fill_planner();
   if (!drawn_) drawn_ = planner_.next();
 

@@ -41,8 +41,9 @@ class JobRunner {
   JobRunner(const config::MachineConfig& config, interp::Interpreter& interpreter,
             motion::Planner& planner);
 
-  /// Starts a program; the machine stands at `position`.
-  void start(std::shared_ptr<const interp::Program> program, const Position& position);
+  /// Starts a program; the machine stands at `position`, its spindle turns as `spindle` says.
+  void start(std::shared_ptr<const interp::Program> program, const Position& position,
+             interp::SpindleDirection spindle = interp::SpindleDirection::off);
 
   [[nodiscard]] Next next();
   [[nodiscard]] const motion::Setpoint& setpoint() const { return setpoint_; }

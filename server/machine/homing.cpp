@@ -101,6 +101,10 @@ std::optional<Axis> Homing::advance() {
     case Phase::at_switch:
       if (!at_rest()) break;
       feed_.send(ArmLatch{axis(), hal::LatchEdge::release});
+      phase_ = Phase::arming;
+      break;
+    case Phase::arming:
+      if (!at_rest()) break;
       move(-kReleaseRate * axis_config().home_velocity, kReleaseReach * travel_of(axis_config()));
       phase_ = Phase::off_switch;
       break;

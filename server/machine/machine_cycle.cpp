@@ -82,9 +82,9 @@ void Machine::on_fault(hal::Faults faults) {
 
 /// An axis that is stopped without a ramp may have lost steps: it has to be homed again.
 void Machine::lose_position_of_moving_axes() {
-  const Position velocity = feed_.executing().velocity;
+  const AxisArray<bool> moving = feed_.axes_in_motion();
   for (const Axis axis : kAllAxes)
-    if (velocity[axis] != 0.0 && std::exchange(homed_[axis], false))
+    if (moving[axis] && std::exchange(homed_[axis], false))
       log_.add(Severity::warning,
                fmt::format("Axis {} was stopped without a ramp: its position may be wrong. Home it.",
                            axis_name(axis)));
@@ -94,12 +94,12 @@ void Machine::cycle_job() {
   if (!job_.active()) return;
   const bool advances = state_ == State::running || state_ == State::pausing;
   if (advances) elapsed_ += now_ - last_cycle_;
+  const JobSignal signal = job_.cycle();
   if (!single_line_) {
-    const Executing executing = feed_.executing();
-    move_ = std::max(move_, executing.tag.id);
-    if (executing.tag.line != 0) line_ = executing.tag.line;
+    move_ = std::max(move_, feed_.executing().tag.id);
+    line_ = job_.line();
   }
-  on_job_signal(job_.cycle());
+  on_job_signal(signal);
 }
 
 void Machine::on_job_signal(JobSignal signal) {
@@ -195,6 +195,11 @@ void Machine::cycle_reset() {
     reset_deadline_ = now_ + kResetTimeout;
     if (board.inputs.estop) reset_deadline_ = now_;  // no point in waiting for a hand
     feed_.send(ClearFaults{});
+    // A board in fault has everything off and may have dropped what it was told since.
+    if (board.faults != 0)
+      io_.board_is_off();
+    else
+      io_.all_off();
     return;
   }
   if (board.faults == 0 && board.outputs.drives_enabled && feed_.at_rest()) {

@@ -53,7 +53,8 @@ JobSnapshot Machine::take_job_snapshot() {
   shown.elapsed = elapsed_;
   shown.runs = runs_;
   shown.ended_well = ended_well_;
-  const bool over = runs_ > 0 && state_ != State::running && line_ != 0;
+  const bool runs_now = job_.active() && !single_line_;
+  const bool over = runs_ > 0 && !runs_now && line_ != 0;
   if (over && ended_well_) shown.progress = 1.0;
   if (!findings_) {
     if (!over && shown.lines > 0)

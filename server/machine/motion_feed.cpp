@@ -47,13 +47,17 @@ void MotionFeed::begin_motion(const AxisArray<bool>& limited) {
 Result<void> MotionFeed::emit(const motion::Setpoint& setpoint) {
   if (auto checked = check_.check(setpoint); !checked) return checked;
   const Sent& before = sent(last_id_);
-  const Sent next{last_id_ + 1,
-                  before.end_time + setpoint.duration,
-                  setpoint.duration,
-                  before.end_velocity,
-                  setpoint.velocity,
-                  setpoint.tag,
-                  setpoint.feed_limit};
+  Sent next{last_id_ + 1,
+            before.end_time + setpoint.duration,
+            setpoint.duration,
+            before.end_velocity,
+            setpoint.velocity,
+            {},
+            setpoint.tag,
+            setpoint.feed_limit};
+  for (const Axis axis : kAllAxes)
+    next.moves[axis] = setpoint.position[axis] != commanded_[axis] ||
+                       next.start_velocity[axis] != 0.0 || next.end_velocity[axis] != 0.0;
   if (!link_.push(hal::Segment{next.id, setpoint.duration, setpoint.position, setpoint.velocity}))
     return fail(ErrorCode::internal_error, "The link's queue is full; wants_more() was not asked.");
   history_[next.id % kHistory] = next;
@@ -88,6 +92,16 @@ Executing MotionFeed::executing() const {
   return {entry.tag, entry.feed_limit, entry.start_velocity + change * board.executing_phase};
 }
 
+AxisArray<bool> MotionFeed::axes_in_motion() const {
+  const hal::ControllerStatus& board = status_.board;
+  const Sent& entry = sent(board.executing_id);
+  if (board.executing_id == 0 || entry.id != board.executing_id) return {};
+  if (board.executing_phase < 1.0) return entry.moves;
+  AxisArray<bool> still_moving;
+  for (const Axis axis : kAllAxes) still_moving[axis] = entry.end_velocity[axis] != 0.0;
+  return still_moving;
+}
+
 void MotionFeed::quick_stop() {
   link_.quick_stop();
   position_unknown_ = true;
@@ -97,6 +111,11 @@ void MotionFeed::accept_board_position() {
   commanded_ = status_.board.position;
   check_.restart(commanded_);
   // What was under way and did not come to its end is over now; the next segment starts at rest.
+  Sent& executing = history_[status_.board.executing_id % kHistory];
+  if (executing.id == status_.board.executing_id) {
+    executing.moves = {};
+    executing.end_velocity = {};
+  }
   Sent& last = history_[last_id_ % kHistory];
   last.end_velocity = {};
   last.end_time = executed_time();

@@ -41,6 +41,9 @@ class MotionFeed {
   /// Everything emitted and every command sent has been executed, and the machine stands.
   [[nodiscard]] bool at_rest() const;
   [[nodiscard]] Executing executing() const;
+  /// Axes that the board was moving in the segment it executes, or in which it has been stopped. None
+  /// once that stop has been accepted.
+  [[nodiscard]] AxisArray<bool> axes_in_motion() const;
   /// Id of the last segment emitted, and whether the board has finished the segment `id`.
   [[nodiscard]] std::uint32_t last_id() const { return last_id_; }
   [[nodiscard]] bool executed(std::uint32_t id) const;
@@ -67,6 +70,7 @@ class MotionFeed {
     double duration = 0.0;
     Position start_velocity;
     Position end_velocity;
+    AxisArray<bool> moves{};
     motion::MoveTag tag;
     double feed_limit = 0.0;
   };

@@ -9,6 +9,20 @@
 
 namespace cnc::server::rpc {
 
+namespace {
+
+/// A client that has vanished without a word (cable, power) is noticed by unanswered pings: its calls
+/// are cancelled, and with them the motion that it asked for. Clients may ping, too.
+void keep_alive(grpc::ServerBuilder& builder) {
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 2000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 2000);
+  builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_PERMIT_WITHOUT_CALLS, 1);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MAX_PINGS_WITHOUT_DATA, 0);
+  builder.AddChannelArgument(GRPC_ARG_HTTP2_MIN_RECV_PING_INTERVAL_WITHOUT_DATA_MS, 500);
+}
+
+}  // namespace
+
 std::vector<std::unique_ptr<grpc::Service>> make_services(Host& host) {
   std::vector<std::unique_ptr<grpc::Service>> services;
   for (auto* make : {make_system_service, make_status_service, make_motion_service,
@@ -32,6 +46,7 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Host& host,
   builder.SetMaxReceiveMessageSize(1 << 20);
   // Without this a second server would silently share the port of the first.
   builder.AddChannelArgument(GRPC_ARG_ALLOW_REUSEPORT, 0);
+  keep_alive(builder);
   for (std::size_t i = 0; i < addresses.size(); ++i)
     builder.AddListeningPort(addresses[i], grpc::InsecureServerCredentials(), &server->ports_[i]);
   for (auto& service : server->services_) builder.RegisterService(service.get());

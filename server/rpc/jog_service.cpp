@@ -24,11 +24,18 @@ Result<Position> rates_of(const v1::JogRequest& request) {
   return rates;
 }
 
+class JogStream;
+
+/// Whose jog it is: the stream that asked last. Executor thread only.
+struct JogOwner {
+  const JogStream* stream = nullptr;
+};
+
 /// One continuous jog: read a request, jog, answer, read the next. When the stream ends, for
-/// whatever reason, the machine is told to stop.
+/// whatever reason, the machine is told to stop, unless somebody else has taken over.
 class JogStream final : public grpc::ServerBidiReactor<v1::JogRequest, v1::JogResponse> {
  public:
-  explicit JogStream(Host& host) : host_(host) { StartRead(&request_); }
+  JogStream(Host& host, JogOwner& owner) : host_(host), owner_(owner) { StartRead(&request_); }
 
   void OnReadDone(bool ok) override {
     if (!ok) return end(grpc::Status::OK);
@@ -48,22 +55,25 @@ class JogStream final : public grpc::ServerBidiReactor<v1::JogRequest, v1::JogRe
         rates ? host_.machine.jog(*rates, std::clamp(asked, kMinLease, kMaxLease))
               : Result<void>(std::unexpected(rates.error()));
     if (!done) return end(to_status(done.error()));
-    has_jogged_ = true;
+    owner_.stream = this;
     response_.set_moving(host_.machine.state() == State::jogging);
     StartWrite(&response_);
   }
 
   void end(const grpc::Status& status) {
     host_.executor.post([this, status] {
-      if (has_jogged_) host_.machine.jog_stop();
+      if (owner_.stream == this) {
+        owner_.stream = nullptr;
+        host_.machine.jog_stop();
+      }
       Finish(status);
     });
   }
 
   Host& host_;
+  JogOwner& owner_;
   v1::JogRequest request_;
   v1::JogResponse response_;
-  bool has_jogged_ = false;
 };
 
 class JogService final : public v1::Jog::CallbackService {
@@ -72,7 +82,7 @@ class JogService final : public v1::Jog::CallbackService {
 
   grpc::ServerBidiReactor<v1::JogRequest, v1::JogResponse>* Jog(
       grpc::CallbackServerContext*) override {
-    return new JogStream(host_);
+    return new JogStream(host_, owner_);
   }
 
   grpc::ServerUnaryReactor* Step(grpc::CallbackServerContext*, const v1::JogStepRequest* request,
@@ -100,6 +110,7 @@ class JogService final : public v1::Jog::CallbackService {
 
  private:
   Host& host_;
+  JogOwner owner_;
 };
 
 }  // namespace
