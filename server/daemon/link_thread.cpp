@@ -31,7 +31,7 @@ double seconds(std::chrono::steady_clock::duration duration) {
 }  // namespace
 
 std::string lock_memory() {
-  return mlockall(MCL_CURRENT | MCL_FUTURE) == 0 ? std::string{} : std::strerror(errno);
+  return mlockall(MCL_CURRENT) == 0 ? std::string{} : std::strerror(errno);
 }
 
 LinkThread::LinkThread(Link& link, std::chrono::steady_clock::time_point epoch,

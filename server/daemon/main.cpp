@@ -92,7 +92,6 @@ int serve(const Options& options) {
     return EXIT_FAILURE;
   }
 
-  const std::string memory_refused = lock_memory();
   auto controller = hal::sim::make_virtual_controller(data->config);
   auto& virtual_machine = controller->machine();
   if (auto connected = controller->connect(); !connected) return report(connected.error());
@@ -105,6 +104,7 @@ int serve(const Options& options) {
   TaskThread fanout;
   TaskThread executor;
   LinkThread link_thread(link, epoch, kLinkPeriod);
+  const std::string memory_refused = lock_memory();
 
   rpc::Host host{machine, executor, link, log, fanout, files, options.jobs,
                  "virtual CPU5 board", link_thread.priority_refused().empty(),

@@ -97,17 +97,23 @@ Result<void> Machine::load(std::shared_ptr<const interp::Program> program, std::
   if (auto allowed = allow(CommandKind::load); !allowed) return allowed;
   program_ = std::move(program);
   program_path_ = std::move(path);
-  findings_.reset();
   elapsed_ = 0.0;
   move_ = line_ = runs_ = 0;
   ended_well_ = false;
-  analysis_.reset();
-  if (data_.analyse_jobs)
-    analysis_ = std::make_unique<JobAnalysis>(PredictionInput{
-        data_.config, program_, data_.parameters, data_.tools, feed_.commanded()});
+  analyse();
   log_.add(Severity::info,
            fmt::format("Loaded {} ({} lines).", program_path_, program_->line_count()));
   return {};
+}
+
+/// Check and prediction depend on offsets, tools and where the machine stands: they begin anew when
+/// one of these has changed.
+void Machine::analyse() {
+  findings_.reset();
+  analysis_.reset();
+  if (program_ && data_.analyse_jobs)
+    analysis_ = std::make_unique<JobAnalysis>(PredictionInput{
+        data_.config, program_, data_.parameters, data_.tools, feed_.commanded()});
 }
 
 Result<void> Machine::run() {
@@ -203,6 +209,7 @@ Result<void> Machine::interpret_now(std::string line) {
       case interp::Progress::ended:
         interpreter_.stop();
         save_parameters();
+        analyse();
         return {};
     }
   }

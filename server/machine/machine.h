@@ -95,6 +95,8 @@ class Machine {
   };
 
   [[nodiscard]] Result<void> allow(CommandKind command) const;
+  void analyse();
+  void take_findings();
   [[nodiscard]] Result<void> interpret_now(std::string line);
   void wait_for(WaitFor what, Completion done);
   void settle(WaitFor what, const Result<void>& result);

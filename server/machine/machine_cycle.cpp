@@ -37,8 +37,18 @@ void Machine::cycle(double now) {
   cycle_homing();
   cycle_jog();
   cycle_reset();
-  if (!findings_ && analysis_) findings_ = analysis_->findings();
+  take_findings();
   snapshots_.publish(take_snapshot());
+}
+
+void Machine::take_findings() {
+  if (findings_ || !analysis_) return;
+  findings_ = analysis_->findings();
+  if (!findings_ || findings_->problem_count() == 0) return;
+  const Error first = findings_->report.errors.empty() ? *findings_->prediction.error
+                                                       : findings_->report.errors[0].to_error();
+  log_.add(Severity::warning, fmt::format("The job would stop with an error ({} found), first: {}",
+                                          findings_->problem_count(), first.to_string()));
 }
 
 void Machine::watch_board() {
@@ -46,6 +56,9 @@ void Machine::watch_board() {
   if (!board.connected) {
     if (state_ != State::off) on_fault(static_cast<hal::Faults>(hal::Fault::link_lost));
     enter(State::off);
+    if (std::exchange(reset_wanted_, false))
+      settle(WaitFor::reset, fail(ErrorCode::controller_not_answering,
+                                  "The connection to the board was lost during the reset."));
     return;
   }
   if (state_ == State::off) {
@@ -146,6 +159,7 @@ void Machine::end_job(const Result<void>& result) {
     if (result) log_.add(Severity::info, fmt::format("Job done in {:.1f} s.", elapsed_));
   }
   save_parameters();
+  if (!was_job) analyse();
   settle(WaitFor::mdi, result);
   settle(WaitFor::pause, fail(ErrorCode::command_interrupted, "The job ended before the pause."));
   come_to_rest();
@@ -164,6 +178,7 @@ void Machine::cycle_homing() {
   }
   if (homing_.active()) return;
   interpreter_.set_position(feed_.commanded());
+  analyse();
   come_to_rest();
   if (const auto& error = homing_.error()) {
     log_.add(*error);
@@ -190,8 +205,9 @@ void Machine::cycle_jog() {
 void Machine::cycle_reset() {
   if (!reset_wanted_ || job_.active() || homing_.active() || jog_.active()) return;
   const hal::ControllerStatus& board = feed_.board();
-  if (board.moving) return;
   if (reset_deadline_ == 0.0) {
+    // Clearing faults makes the board forget outputs that are on their way: it has to have them all.
+    if (!feed_.at_rest()) return;
     reset_deadline_ = now_ + kResetTimeout;
     if (board.inputs.estop) reset_deadline_ = now_;  // no point in waiting for a hand
     feed_.send(ClearFaults{});
