@@ -41,10 +41,14 @@ std::string errors_as_markdown() {
 }
 
 std::string Error::to_string() const {
-  const auto number = static_cast<unsigned>(code);
-  if (!place) return fmt::format("{} [E{}]", message, number);
-  return fmt::format("{}:{}:{}: {} [E{}]", place->file, place->line, place->column, message,
-                     number);
+  std::string text;
+  if (place) {
+    text = place->file;
+    if (place->line != 0) text += fmt::format(":{}", place->line);
+    if (place->line != 0 && place->column != 0) text += fmt::format(":{}", place->column);
+    text += ": ";
+  }
+  return text + fmt::format("{} [E{}]", message, static_cast<unsigned>(code));
 }
 
 }  // namespace cnc

@@ -48,7 +48,7 @@ struct Error {
   std::string message;  ///< the full sentence with the values of this case
   std::optional<TextPlace> place;
 
-  /// "file:line:column: message [E1003]"; without a place, "message [E1003]".
+  /// "file:line:column: message [E1003]"; what is not known of the place is left out.
   [[nodiscard]] std::string to_string() const;
 };
 

@@ -13,15 +13,6 @@
 namespace cnc::server {
 namespace {
 
-constexpr int kGood = 0;
-constexpr int kProgramHasErrors = 1;
-constexpr int kBadInput = 2;
-
-int refuse(const Error& error) {
-  fmt::print(stderr, "cncsim: {}\n  {}\n", error.to_string(), error_info(error.code).check);
-  return kBadInput;
-}
-
 /// Writes one canonical command per line.
 class CanonFile {
  public:
@@ -105,12 +96,9 @@ void print_text(const interp::CheckReport& report) {
 
 }  // namespace
 
-int check_command(const CheckOptions& options) {
+ExitCode check_command(const CheckOptions& options) {
   auto data = load_machine(options);
-  if (!data) {
-    for (const Error& error : data.error()) refuse(error);
-    return kBadInput;
-  }
+  if (!data) return refuse(data.error());
   auto program = interp::Program::open(options.file);
   if (!program) return refuse(program.error());
 
@@ -133,7 +121,7 @@ int check_command(const CheckOptions& options) {
     print_json(options, report);
   else
     print_text(report);
-  return report.ok() ? kGood : kProgramHasErrors;
+  return report.ok() ? kGood : kProgramFailed;
 }
 
 }  // namespace cnc::server

@@ -1,3 +1,7 @@
+#include <fmt/format.h>
+
+#include <cstdio>
+
 #include "server/cncsim/options.h"
 #include "server/daemon/shipped_files.h"
 
@@ -41,5 +45,13 @@ std::expected<MachineData, config::Errors> load_machine(const SimInput& input) {
   if (!errors.empty()) return std::unexpected(std::move(errors));
   return data;
 }
+
+ExitCode refuse(const config::Errors& errors) {
+  for (const Error& error : errors)
+    fmt::print(stderr, "cncsim: {}\n  {}\n", error.to_string(), error_info(error.code).check);
+  return kBadInput;
+}
+
+ExitCode refuse(const Error& error) { return refuse(config::Errors{error}); }
 
 }  // namespace cnc::server

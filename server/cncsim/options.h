@@ -31,9 +31,14 @@ struct CheckOptions : SimInput {
   std::size_t max_errors = 100;
 };
 
-/// Both print their report and return the exit code: 0 good, 1 the program has errors or the machine
-/// stopped, 2 the input could not be read.
-int run_command(const RunOptions& options);
-int check_command(const CheckOptions& options);
+enum ExitCode : int { kGood = 0, kProgramFailed = 1, kBadInput = 2 };
+
+/// Prints the errors and answers kBadInput.
+ExitCode refuse(const config::Errors& errors);
+ExitCode refuse(const Error& error);
+
+/// Both print their report.
+ExitCode run_command(const RunOptions& options);
+ExitCode check_command(const CheckOptions& options);
 
 }  // namespace cnc::server

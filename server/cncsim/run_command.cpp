@@ -9,10 +9,6 @@
 namespace cnc::server {
 namespace {
 
-constexpr int kGood = 0;
-constexpr int kJobFailed = 1;
-constexpr int kBadInput = 2;
-
 /// Virtual time between two cycles: long, because nothing here asks for a quick answer.
 constexpr double kCycle = 0.02;
 
@@ -97,19 +93,11 @@ void print_text(const config::MachineConfig& config, const Report& report) {
   }
 }
 
-int refuse(const Error& error) {
-  fmt::print(stderr, "cncsim: {}\n  {}\n", error.to_string(), error_info(error.code).check);
-  return kBadInput;
-}
-
 }  // namespace
 
-int run_command(const RunOptions& options) {
+ExitCode run_command(const RunOptions& options) {
   auto data = load_machine(options);
-  if (!data) {
-    for (const Error& error : data.error()) refuse(error);
-    return kBadInput;
-  }
+  if (!data) return refuse(data.error());
   auto program = interp::Program::open(options.file);
   if (!program) return refuse(program.error());
   // The simulated machine stands at machine zero and knows it.
@@ -156,7 +144,7 @@ int run_command(const RunOptions& options) {
     print_json(options, report);
   else
     print_text(config, report);
-  return report.good ? kGood : kJobFailed;
+  return report.good ? kGood : kProgramFailed;
 }
 
 }  // namespace cnc::server

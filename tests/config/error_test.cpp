@@ -29,6 +29,11 @@ TEST_CASE("Every code finds its own row, and an unknown one finds internal_error
 TEST_CASE("An error's text leads with its place and ends with its number") {
   const Error error{ErrorCode::file_not_found, "No such file.", TextPlace{"cnc.ini", 12, 3}};
   CHECK(error.to_string() == "cnc.ini:12:3: No such file. [E1001]");
+  CHECK(
+      Error{ErrorCode::file_not_found, "No such file.", TextPlace{"cnc.ini", 12, 0}}.to_string() ==
+      "cnc.ini:12: No such file. [E1001]");
+  CHECK(Error{ErrorCode::file_not_found, "No such file.", TextPlace{"cnc.ini"}}.to_string() ==
+        "cnc.ini: No such file. [E1001]");
   CHECK(Error{ErrorCode::file_not_found, "No such file.", std::nullopt}.to_string() ==
         "No such file. [E1001]");
 }
