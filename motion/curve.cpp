@@ -42,7 +42,8 @@ Result<void> check_radii(double start_radius, double end_radius) {
                 fmt::format("The radius of the arc is {:.6f} mm; it must be greater than 0.",
                             std::min(start_radius, end_radius)));
   }
-  const double allowed = std::max(kRadiusMismatch, kRadiusMismatchRatio * start_radius);
+  const double larger = std::max(start_radius, end_radius);
+  const double allowed = std::max(kRadiusMismatch, kRadiusMismatchRatio * larger);
   if (std::abs(start_radius - end_radius) > allowed) {
     return fail(ErrorCode::arc_impossible,
                 fmt::format("The start of the arc is {:.4f} mm from its centre and the end {:.4f} "

@@ -95,7 +95,7 @@ class Arc {
 };
 
 /// Refused: a radius of (nearly) zero, no turns at all, or radii at start and end that differ by
-/// more than rounding explains (kRadiusMismatch mm and kRadiusMismatchRatio of the radius).
+/// more than rounding explains (kRadiusMismatch mm and kRadiusMismatchRatio of the larger).
 [[nodiscard]] Result<Arc> make_arc(const Position& start, const ArcShape& shape);
 inline constexpr double kRadiusMismatch = 0.05;
 inline constexpr double kRadiusMismatchRatio = 0.001;
