@@ -1,0 +1,284 @@
+// cncsim as a process: examples, real programs, the recording, and what it answers to bad input.
+#include <catch2/catch.hpp>
+#include <cmath>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+#include <sstream>
+
+#include "tests/api/process.h"
+#include "tests/config/temporary_directory.h"
+
+using namespace cnc::test;
+using Catch::Contains;
+using cnc::config::test::content_of;
+using cnc::config::test::put;
+using cnc::config::test::TemporaryDirectory;
+using nlohmann::json;
+
+namespace {
+
+// As the program's help says.
+constexpr int kGood = 0;
+constexpr int kJobFailed = 1;
+constexpr int kBadInput = 2;
+
+const std::string kExamples = std::string(CNC_SOURCE_DIR) + "/config/examples/";
+const std::string kCorpus = std::string(CNC_SOURCE_DIR) + "/../shared/corpus/gcode/";
+
+/// The part of a limit that may be exceeded: rounding of the plan and of its check.
+constexpr double kRounding = 1e-6;
+
+struct Axis {
+  const char* name;
+  double velocity;
+  double acceleration;
+};
+// The shipped cnc.ini.
+constexpr Axis kAxes[] = {
+    {"X", 100.0, 500.0}, {"Y", 100.0, 500.0}, {"Z", 50.0, 300.0}, {"A", 90.0, 360.0}};
+
+Outcome cncsim(std::vector<std::string> arguments) {
+  const TemporaryDirectory folder;
+  arguments.insert(arguments.begin(), CNCSIM);
+  return Process(arguments, folder.path()).wait();
+}
+
+/// A program as a file, and room for what cncsim writes.
+struct ProgramFile {
+  explicit ProgramFile(std::string_view text) { put(path(), text); }
+
+  [[nodiscard]] std::string path() const { return folder.file("program.nc").string(); }
+  TemporaryDirectory folder;
+};
+
+/// A machine with ten metres of travel and a fourth axis: room for any program.
+std::vector<std::string> wide_machine() {
+  std::vector<std::string> arguments{"--set", "AXIS_A.visible=1", "--set", "AXIS_A.port=4"};
+  for (const char* axis : {"X", "Y", "Z"})
+    for (const char* limit : {"negativeLimit=-5000", "positiveLimit=5000"}) {
+      arguments.emplace_back("--set");
+      arguments.push_back("AXIS_" + std::string(axis) + "." + limit);
+    }
+  return arguments;
+}
+
+json run_json(const std::string& file, const std::vector<std::string>& more = {}) {
+  std::vector<std::string> arguments{"run", file, "--json"};
+  arguments.insert(arguments.end(), more.begin(), more.end());
+  const Outcome outcome = cncsim(arguments);
+  INFO(outcome.err << outcome.out);
+  CHECK(outcome.exit_code == kGood);
+  return json::parse(outcome.out);
+}
+
+void check_within_limits(const json& report) {
+  CHECK(report["good"] == true);
+  CHECK(report["errors"].empty());
+  CHECK(report["job_time"] > 0.0);
+  for (const Axis& axis : kAxes) {
+    INFO(axis.name);
+    CHECK(report["max_velocity"][axis.name] <= axis.velocity * (1.0 + kRounding));
+    CHECK(report["max_acceleration"][axis.name] <= axis.acceleration * (1.0 + kRounding));
+    CHECK(report["lost_steps"][axis.name] == 0);
+  }
+}
+
+}  // namespace
+
+TEST_CASE("The shipped examples run on the shipped machine", "[JOB-1][MOT-1]") {
+  const std::string name =
+      GENERATE("rounded_rectangle.ngc", "hole_pattern.ngc", "multi_plane_contour.ngc");
+  INFO(name);
+  check_within_limits(run_json(kExamples + name));
+}
+
+TEST_CASE("Real programs run to their end, exceed no limit and lose no step", "[JOB-1][MOT-1]") {
+  if (!std::filesystem::exists(kCorpus)) {
+    WARN("The corpus of real programs is not here: test skipped.");
+    return;
+  }
+  const auto name =
+      GENERATE(as<std::string>{},  //
+               "nist--c1_hello_world.ngc", "nist--c2_expressions.ngc", "linuxcnc--Pasta.ngc",
+               "linuxcnc--blur_torus.ngc", "linuxcnc--tort.ngc", "linuxcnc--wheels.ngc",
+               "linuxcnc--zigzag_0.002_0.0005.ngc", "nraynaud--tux.ngc", "pcb2gcode--back.ngc",
+               "CauldronDevelopmentLLC--botomata_bottom.nc",
+               "CauldronDevelopmentLLC--flower_mold.nc", "CauldronDevelopmentLLC--tiger.nc",
+               "SergeyPopovGit--ScalePanel.nc", "Sienci-Labs--FourAxisSurface_finishPass.nc",
+               "bdring--arcs_arrows.nc", "winder--communicator.nc", "synthetos--FordEmblem.gcode",
+               "winder--arc_rword_test.gcode", "winder--no_spaces.gcode", "fragmuffin--Skull2.tap");
+  INFO(name);
+  check_within_limits(run_json(kCorpus + name, wide_machine()));
+}
+
+TEST_CASE("Wrong programs of other people stop on the wrong line", "[LNG-10]") {
+  if (!std::filesystem::exists(kCorpus)) {
+    WARN("The corpus of real programs is not here: test skipped.");
+    return;
+  }
+  struct Wrong {
+    const char* file;
+    int line;
+    const char* name;
+  };
+  const auto [file, line, name] = GENERATE(values<Wrong>({
+      {"Sienci-Labs--jsdc_with_error.gcode", 123, "axis_words_missing"},
+      {"linuxcnc--bad-arc.medium.metric.ngc", 6, "arc_radius_mismatch"},
+      {"linuxcnc--bad-no-feed-rate.ngc", 2, "feed_not_set"},
+  }));
+  INFO(file);
+  std::vector<std::string> arguments{"run", kCorpus + file, "--json"};
+  for (const std::string& setting : wide_machine()) arguments.push_back(setting);
+  const Outcome outcome = cncsim(arguments);
+  CHECK(outcome.exit_code == kJobFailed);
+  const json report = json::parse(outcome.out);
+  CHECK(report["good"] == false);
+  REQUIRE(report["errors"].size() == 1);
+  CHECK(report["errors"][0]["line"] == line);
+  CHECK(report["errors"][0]["name"] == name);
+}
+
+TEST_CASE("The reported time is that of the motion", "[JOB-5]") {
+  // From rest to rest: 100 mm at 20 mm/s with ramps of 500 mm/s²: s/v + v/a.
+  const ProgramFile program("G53 G0 X0\nG91 G1 X100 F1200\nG4 P2\n");
+  const json report = run_json(program.path());
+  CHECK(report["job_time"].get<double>() ==
+        Approx(100.0 / 20.0 + 20.0 / 500.0 + 2.0).epsilon(1e-4));
+  CHECK(report["distance"].get<double>() == Approx(100.0));
+  CHECK(report["max"]["X"].get<double>() == Approx(100.0));
+}
+
+TEST_CASE("What the interpreter takes for an arc the planner moves along", "[GCO-2]") {
+  // The radii 999.5 and 1000.5 differ by a thousandth of the larger one: the most that is allowed.
+  const ProgramFile program("G53 G0 X0 Y0\nG91 G2 X2000 I999.5 F60000\n");
+  const json report = run_json(program.path(), wide_machine());
+  CHECK(report["max"]["X"].get<double>() == Approx(2000.0));
+}
+
+TEST_CASE("A recording has a row per millisecond from rest to the end position", "[JOB-5]") {
+  const ProgramFile program("G53 G0 X0 Y0 Z0\nG91 G1 X10 Y5 F600\n");
+  const std::string file = program.folder.file("record.csv").string();
+  const json report = run_json(program.path(), {"--record", file});
+  std::istringstream rows(content_of(file));
+  std::string row;
+  REQUIRE(std::getline(rows, row));
+  CHECK(row == "t,x,y,z,a,b,c,f,line");
+  int count = 0;
+  std::string last;
+  double x_before = 0.0;
+  while (std::getline(rows, row)) {
+    CHECK(std::stod(row) == Approx(0.001 * count).margin(1e-9));
+    const double x = std::stod(row.substr(row.find(',') + 1));
+    // 10 mm/s along the path: X is at most 10 mm/s.
+    CHECK(x - x_before <= 0.010 + 1e-6);
+    CHECK(x >= x_before - 1e-9);
+    x_before = x;
+    last = row;
+    ++count;
+  }
+  const double time = report["job_time"];
+  CHECK(count == static_cast<int>(std::floor(time * 1000.0)) + 2);  // row 0, and the end's row
+  CHECK_THAT(last, Contains(",10.000000000,5.000000000,0.000000000,") && Catch::EndsWith(",10,2"));
+}
+
+TEST_CASE("Simulating twice gives the same recording to the last digit", "[ARC-4]") {
+  const ProgramFile program("G64\nG0 X10 Y10 Z5\nG2 X20 Y20 I10 F3000\nG1 X30\nG0 X0 Y0 Z0\n");
+  const auto recording = [&](const char* name) {
+    const std::string file = program.folder.file(name).string();
+    run_json(program.path(), {"--record", file});
+    return content_of(file);
+  };
+  CHECK(recording("first.csv") == recording("second.csv"));
+}
+
+TEST_CASE("An error in the middle of a program is an exit code and a place", "[LNG-10]") {
+  struct Bad {
+    const char* text;
+    const char* message;
+  };
+  const auto [text, message] = GENERATE(values<Bad>({
+      {"G1 X1 F100\nG77\n", "program.nc:2:1"},
+      {"G53 G0 X1\nG53 G0 X601\n", "program.nc:2"},
+      {"G53 G0 A5\n", "axis A, which is not connected"},
+  }));
+  INFO(text);
+  const ProgramFile program(text);
+  const Outcome outcome = cncsim({"run", program.path()});
+  CHECK(outcome.exit_code == kJobFailed);
+  CHECK_THAT(outcome.out, Contains(message) && Contains("STOPPED"));
+}
+
+TEST_CASE("Input that cannot be read is refused before anything runs", "[JOB-1][CFG-1]") {
+  const ProgramFile good("G0 X1\n");
+  const TemporaryDirectory folder;
+  put(folder.file("empty.nc"), "");
+  put(folder.file("binary.nc"), std::string_view("G0 X1\n\0\0\x7f"
+                                                 "ELF",
+                                                 12));
+  put(folder.file("wrong.ini"), "[AXIS_X]\nport = 1\nspeed = 3\n");
+  const auto at = [&](const char* name) { return folder.file(name).string(); };
+  struct Bad {
+    std::vector<std::string> arguments;
+    const char* message;
+  };
+  const std::vector<Bad> rows{
+      {{"run", at("missing.nc")}, "missing.nc"},
+      {{"run", at("empty.nc")}, "E2001"},
+      {{"run", at("binary.nc")}, "E2002"},
+      {{"run", folder.path().string()}, "E10"},
+      {{"run", good.path(), "--config", at("missing.ini")}, "missing.ini"},
+      {{"run", good.path(), "--config", at("wrong.ini")}, "wrong.ini:3"},
+      {{"run", good.path(), "--set", "AXIS_X.velocity=fast"}, "[AXIS_X] velocity"},
+      {{"run", good.path(), "--parameters", at("missing.txt")}, "missing.txt"},
+      {{"run", good.path(), "--tools", at("missing.txt")}, "missing.txt"},
+      {{"run", good.path(), "--record", at("no/folder.csv")}, "no/folder.csv"},
+      {{"run"}, "file"},
+      {{"walk", good.path()}, "subcommand"},
+      {{"check", at("missing.nc")}, "missing.nc"},
+  };
+  for (const Bad& row : rows) {
+    const Outcome outcome = cncsim(row.arguments);
+    INFO(row.message << "\n" << outcome.err);
+    CHECK(outcome.exit_code == kBadInput);
+    CHECK_THAT(outcome.err + outcome.out, Contains(row.message));
+  }
+}
+
+TEST_CASE("A line that is too long is an error with its number", "[GCO-1]") {
+  const ProgramFile program("G0 X1\n(" + std::string(5000, 'x') + ")\nG0 X2\n");
+  const Outcome outcome = cncsim({"run", program.path()});
+  CHECK(outcome.exit_code == kJobFailed);
+  CHECK_THAT(outcome.out, Contains("program.nc:2") && Contains("E2100"));
+}
+
+TEST_CASE("check lists every wrong line, and its JSON names each", "[JOB-2][LNG-10]") {
+  const ProgramFile program("G0 X1\nG77\nG1 X2\nG0 X3\n");
+  const Outcome text = cncsim({"check", program.path()});
+  CHECK(text.exit_code == kJobFailed);
+  CHECK_THAT(text.out, Contains("program.nc:2") && Contains("program.nc:3"));
+  const Outcome machine = cncsim({"check", program.path(), "--json"});
+  CHECK(machine.exit_code == kJobFailed);
+  const json report = json::parse(machine.out);
+  CHECK(report["good"] == false);
+  CHECK(report["complete"] == true);
+  REQUIRE(report["errors"].size() == 2);
+  CHECK(report["errors"][0]["line"] == 2);
+  CHECK(report["errors"][0]["name"] == "unknown_g_code");
+  CHECK(report["errors"][1]["line"] == 3);
+  CHECK(report["errors"][1]["name"] == "feed_not_set");
+}
+
+TEST_CASE("check writes the canonical commands of a good program", "[GCO-1]") {
+  const ProgramFile program("G53 G0 X1\nM30\n");
+  const std::string file = program.folder.file("canon.txt").string();
+  CHECK(cncsim({"check", program.path(), "--canon", file}).exit_code == kGood);
+  CHECK_THAT(content_of(file), Contains("STRAIGHT_TRAVERSE(1.000000, 0.000000, 0.000000") &&
+                                   Contains("PROGRAM_END()"));
+}
+
+TEST_CASE("A name in another encoding does not spoil the JSON report", "[LNG-10]") {
+  const ProgramFile program("(fr\xe4se)\nG0 X1 \xe4\n");
+  const Outcome outcome = cncsim({"run", program.path(), "--json"});
+  CHECK(outcome.exit_code == kJobFailed);
+  CHECK(json::parse(outcome.out)["good"] == false);
+}

@@ -1,0 +1,172 @@
+// Emergency stop and reset (STA-2, STA-4).
+#include <catch2/catch.hpp>
+
+#include "tests/server/rig.h"
+
+using namespace cnc;
+using namespace cnc::server;
+using namespace cnc::server::test;
+using interp::SpindleDirection;
+
+namespace {
+
+void press(Rig& rig) {
+  rig.simulation.virtual_machine().press_estop(true);
+  REQUIRE(rig.becomes(State::estop, 0.1));
+}
+
+void release(Rig& rig) { rig.simulation.virtual_machine().press_estop(false); }
+
+/// Moves X at 20 mm/s with the spindle on; Y stands.
+void start_cut(Rig& rig) {
+  rig.start("M3 S12000\nM8\nG1 X500 F1200\n");
+  REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 5.0; }));
+}
+
+}  // namespace
+
+TEST_CASE("Emergency stop stops, switches everything off and ends the job", "[STA-4][safety]") {
+  HomedRig rig;
+  start_cut(rig);
+  REQUIRE(rig.simulation.virtual_machine().outputs().spindle_on);
+  press(rig);
+  const auto& outputs = rig.simulation.virtual_machine().outputs();
+  CHECK_FALSE(outputs.drives_enabled);
+  CHECK_FALSE(outputs.spindle_on);
+  CHECK_FALSE(outputs.flood);
+  CHECK(rig.shown()->spindle == SpindleDirection::off);
+  CHECK(rig.shown()->estop_input);
+  CHECK_FALSE(rig.shown()->job.ended_well);
+  CHECK(rig.last_error().code == ErrorCode::estop_pressed);
+  const Position stands = rig.simulation.virtual_machine().physical_position();
+  rig.run_for(2.0);
+  CHECK(rig.simulation.virtual_machine().physical_position() == stands);
+}
+
+TEST_CASE("Axes that the emergency stop caught in motion have to be homed again",
+          "[STA-4][safety]") {
+  HomedRig rig;
+  start_cut(rig);
+  press(rig);
+  CHECK_FALSE(rig.homed(Axis::X));
+  CHECK(rig.homed(Axis::Y));
+  CHECK(rig.homed(Axis::Z));
+}
+
+TEST_CASE("An emergency stop at rest costs no axis its home", "[STA-4]") {
+  HomedRig rig;
+  start_cut(rig);
+  press(rig);
+  release(rig);
+  REQUIRE(rig.reset());
+  REQUIRE(rig.home({Axis::X}));  // by hand
+  // The board still shows the segment in which it was stopped; nothing moves now.
+  press(rig);
+  for (const Axis axis : kLinearAxes) CHECK(rig.homed(axis));
+}
+
+TEST_CASE("A jogged axis loses its home as well", "[STA-4][safety]") {
+  HomedRig rig;
+  REQUIRE(rig.machine.jog_step(Axis::Y, 100.0, 0.2));
+  rig.run_for(1.0);
+  press(rig);
+  CHECK_FALSE(rig.homed(Axis::Y));
+  CHECK(rig.homed(Axis::X));
+  release(rig);
+  REQUIRE(rig.reset());
+  const Position stands = rig.position();
+  rig.run_for(1.0);
+  CHECK(rig.position() == stands);  // the rest of the step is forgotten
+}
+
+TEST_CASE("Reset is refused while the button is pressed and works when it is released",
+          "[STA-2][STA-4]") {
+  HomedRig rig;
+  press(rig);
+  const auto refused = rig.reset();
+  REQUIRE_FALSE(refused);
+  CHECK(refused.error().code == ErrorCode::estop_pressed);
+  CHECK(rig.state() == State::estop);
+  CHECK_FALSE(rig.simulation.virtual_machine().outputs().drives_enabled);
+  release(rig);
+  REQUIRE(rig.reset());
+  CHECK(rig.state() == State::ready);
+  CHECK(rig.simulation.virtual_machine().outputs().drives_enabled);
+}
+
+TEST_CASE("A reset that another emergency stop cuts off can be repeated", "[STA-2][safety]") {
+  // At whatever instant of the reset the button is hit.
+  for (int cycles = 0; cycles < 8; ++cycles) {
+    INFO("pressed after " << cycles << " cycles");
+    HomedRig rig;
+    press(rig);
+    release(rig);
+    rig.simulation.cycle();
+    bool answered = false;
+    rig.machine.reset([&](const Result<void>&) { answered = true; });
+    for (int i = 0; i < cycles; ++i) rig.simulation.cycle();
+    rig.simulation.virtual_machine().press_estop(true);
+    REQUIRE(rig.becomes([&] { return answered && rig.state() == State::estop; }, 5.0));
+    release(rig);
+    rig.simulation.cycle();
+    CHECK(rig.reset());
+    CHECK(rig.state() == State::ready);
+    CHECK(rig.simulation.virtual_machine().outputs().drives_enabled);
+  }
+}
+
+TEST_CASE("After the emergency stop the machine moves from where it really stands",
+          "[STA-4][safety]") {
+  HomedRig rig;
+  start_cut(rig);
+  press(rig);
+  release(rig);
+  REQUIRE(rig.reset());
+  const Position stands = rig.position();
+  REQUIRE(rig.mdi("G91 G1 X1 F600"));
+  CHECK(rig.position()[Axis::X] == Approx(stands[Axis::X] + 1.0).margin(0.005));  // one step
+  CHECK(rig.position()[Axis::Y] == stands[Axis::Y]);
+}
+
+TEST_CASE("An interrupted command says so to its caller", "[STA-4]") {
+  HomedRig rig;
+  Result<void> line;
+  rig.machine.mdi("G1 X100 F600", [&](Result<void> result) { line = std::move(result); });
+  rig.run_for(1.0);
+  press(rig);
+  REQUIRE_FALSE(line);
+  CHECK(line.error().code == ErrorCode::command_interrupted);
+}
+
+TEST_CASE("Reset stops a running program along a ramp, spindle and coolant off", "[STA-2]") {
+  HomedRig rig;
+  start_cut(rig);
+  REQUIRE(rig.reset());
+  CHECK(rig.state() == State::ready);
+  CHECK(rig.homed(Axis::X));  // a ramp loses no steps
+  CHECK(rig.simulation.virtual_machine().lost_steps(Axis::X) == 0);
+  CHECK_FALSE(rig.simulation.virtual_machine().outputs().spindle_on);
+  CHECK_FALSE(rig.simulation.virtual_machine().outputs().flood);
+  CHECK_FALSE(rig.shown()->job.ended_well);
+}
+
+TEST_CASE("Reset switches a spindle off that a single line has started", "[STA-2][safety]") {
+  HomedRig rig;
+  REQUIRE(rig.mdi("M3 S5000"));
+  REQUIRE(rig.simulation.virtual_machine().outputs().spindle_on);
+  REQUIRE(rig.reset());
+  CHECK_FALSE(rig.simulation.virtual_machine().outputs().spindle_on);
+  CHECK(rig.shown()->spindle == SpindleDirection::off);
+  CHECK_THAT(rig.shown()->active_codes, Catch::Contains("M5"));
+}
+
+TEST_CASE("A fault of the board is an error state that reset leaves", "[STA-2][LNK-2]") {
+  HomedRig rig;
+  rig.simulation.link().push(hal::Segment{.id = 1, .duration = -1.0});
+  REQUIRE(rig.becomes(State::error, 1.0));
+  CHECK(rig.last_error().code == ErrorCode::motion_fault);
+  REQUIRE(rig.reset());
+  CHECK(rig.state() == State::ready);
+  REQUIRE(rig.mdi("G0 X1"));
+  CHECK(rig.position()[Axis::X] == Approx(1.0).margin(1e-9));
+}

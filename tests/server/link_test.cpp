@@ -1,0 +1,130 @@
+// The passage from the machine to the board (LNK-2, LNK-4, LNK-8).
+#include "server/link/link.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/server/recording_controller.h"
+
+using namespace cnc;
+using namespace cnc::server;
+using namespace cnc::server::test;
+using Calls = std::vector<std::string>;
+
+namespace {
+
+struct Fixture {
+  Recording recording;
+  Link link{std::make_unique<RecordingController>(recording)};
+
+  void push_segments(std::uint32_t first, std::uint32_t last) {
+    for (std::uint32_t id = first; id <= last; ++id)
+      REQUIRE(link.push(hal::Segment{.id = id, .duration = 0.005}));
+  }
+};
+
+}  // namespace
+
+TEST_CASE("Items reach the board in the order in which they were pushed", "[LNK-2]") {
+  Fixture f;
+  f.push_segments(1, 2);
+  f.link.push(SetOutputs{{.spindle_on = true}});
+  f.push_segments(3, 3);
+  f.link.push(SetPosition{.axes = {{true, false, true, false, false, false}}, .position = {}});
+  f.link.push(ArmLatch{Axis::Y, hal::LatchEdge::release});
+  f.link.push(DisarmLatch{Axis::Y});
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls == Calls{"segment 1", "segment 2", "spindle on", "segment 3",
+                                   "position X", "position Z", "arm Y", "disarm Y"});
+  CHECK(f.link.status().items_done == f.link.pushed());
+}
+
+TEST_CASE("What the board has no room for waits, and nothing overtakes it", "[LNK-2]") {
+  Fixture f;
+  f.recording.room = 2;
+  f.push_segments(1, 4);
+  f.link.push(SetOutputs{{.spindle_on = true}});
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls == Calls{"segment 1", "segment 2"});
+  CHECK(f.link.status().items_done == 2);
+  f.recording.room = 10;
+  f.link.cycle(0.002);
+  CHECK(f.recording.calls ==
+        Calls{"segment 1", "segment 2", "segment 3", "segment 4", "spindle on"});
+  CHECK(f.link.status().items_done == 5);
+}
+
+TEST_CASE("A quick stop overtakes everything, and what it dropped counts as done",
+          "[LNK-8][safety]") {
+  Fixture f;
+  f.push_segments(1, 100);
+  f.link.quick_stop();
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls == Calls{"quick stop"});
+  CHECK(f.link.status().items_done == f.link.pushed());
+  f.push_segments(101, 101);
+  f.link.cycle(0.002);
+  CHECK(f.recording.calls == Calls{"quick stop", "segment 101"});
+}
+
+TEST_CASE("A board in fault gets nothing but the order to clear it", "[LNK-4][safety]") {
+  Fixture f;
+  f.recording.room = 0;
+  f.recording.status.faults = static_cast<hal::Faults>(hal::Fault::estop);
+  f.push_segments(1, 3);
+  f.link.push(SetOutputs{{.spindle_on = true}});
+  f.link.push(ClearFaults{});
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls == Calls{"clear faults"});
+  CHECK(f.link.status().items_done == f.link.pushed());
+  CHECK(f.link.status().board.faults == static_cast<hal::Faults>(hal::Fault::estop));
+}
+
+TEST_CASE("A full queue refuses an item and loses none", "[LNK-2]") {
+  Fixture f;
+  f.recording.room = 0;
+  std::uint32_t id = 0;
+  while (f.link.push(hal::Segment{.id = id + 1, .duration = 0.005})) ++id;
+  CHECK(id == Link::kCapacity);
+  CHECK(f.link.space() == 0);
+  CHECK(f.link.pushed() == id);
+  f.recording.room = 2 * Link::kCapacity;
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls.size() == id);
+  CHECK(f.recording.calls.back() == "segment " + std::to_string(id));
+}
+
+TEST_CASE("The lowest FIFO time is that of a board in motion with more to come", "[LNK-2]") {
+  Fixture f;
+  const auto& lowest = f.link.statistics().lowest_fifo_time;
+  f.recording.status.fifo_time = 0.001;  // at rest: does not count
+  f.link.cycle(0.0);
+  CHECK(lowest == LinkStatistics::kNeverMoved);
+  f.recording.status.moving = true;
+  f.recording.status.fifo_count = 5;
+  for (const double time : {0.2, 0.15, 0.18}) {
+    f.recording.status.fifo_time = time;
+    f.link.cycle(0.0);
+  }
+  CHECK(lowest == 0.15);
+  f.recording.status.fifo_count = 0;  // the last segment of all
+  f.recording.status.fifo_time = 0.002;
+  f.link.cycle(0.0);
+  CHECK(lowest == 0.15);
+}
+
+TEST_CASE("A histogram puts each time under the first edge above it", "[LNK-2]") {
+  TimeHistogram histogram;
+  CHECK(TimeHistogram::upper_edge(0) == 1e-6);
+  CHECK(TimeHistogram::upper_edge(1) == 2e-6);
+  CHECK(TimeHistogram::upper_edge(10) == Approx(1.024e-3));
+  CHECK(std::isinf(TimeHistogram::upper_edge(TimeHistogram::kBins - 1)));
+  for (const double time : {0.0, 0.5e-6, 1e-6, 1.9e-6, 1e-3, 100.0}) histogram.record(time);
+  CHECK(histogram.count(0) == 2);
+  CHECK(histogram.count(1) == 2);  // an edge belongs to the bin above it
+  CHECK(histogram.count(10) == 1);
+  CHECK(histogram.count(TimeHistogram::kBins - 1) == 1);
+  CHECK(histogram.max() == 100.0);
+  histogram.reset();
+  for (std::size_t bin = 0; bin < TimeHistogram::kBins; ++bin) CHECK(histogram.count(bin) == 0);
+  CHECK(histogram.max() == 0.0);
+}

@@ -1,0 +1,135 @@
+// The predicted time of a job is the time that it takes (JOB-5).
+#include "server/job/prediction.h"
+
+#include <catch2/catch.hpp>
+
+#include "tests/server/rig.h"
+
+using namespace cnc;
+using namespace cnc::server;
+using namespace cnc::server::test;
+
+namespace {
+
+const std::string kExamples = std::string(CNC_SOURCE_DIR) + "/config/examples/";
+
+/// G54 as the shipped parameters have it, so that the examples stay within the limits.
+MachineData machine_for_examples() {
+  MachineData data = free_machine();
+  Position offset;
+  offset[Axis::X] = offset[Axis::Y] = 100.0;
+  offset[Axis::Z] = -90.0;
+  data.parameters.set_work_offset(1, offset);
+  return data;
+}
+
+Prediction prediction_of(const MachineData& data, std::shared_ptr<const interp::Program> program) {
+  auto prediction =
+      predict({data.config, std::move(program), data.parameters, data.tools, Position{}}, {});
+  REQUIRE(prediction.has_value());
+  return std::move(*prediction);
+}
+
+/// Resumes whatever the program waits for.
+void run_with_prompts(Rig& rig) {
+  REQUIRE(rig.becomes(
+      [&] {
+        if (rig.state() == State::tool_change || rig.state() == State::program_stop)
+          REQUIRE(rig.machine.resume());
+        return rig.state() == State::ready;
+      },
+      3600.0));
+}
+
+}  // namespace
+
+TEST_CASE("The prediction of an example is the time of its run", "[JOB-5]") {
+  const std::string name =
+      GENERATE("rounded_rectangle.ngc", "hole_pattern.ngc", "multi_plane_contour.ngc");
+  INFO(name);
+  const auto program = interp::Program::open(kExamples + name);
+  REQUIRE(program);
+  const Prediction prediction = prediction_of(machine_for_examples(), *program);
+  CHECK_FALSE(prediction.error);
+
+  ReadyRig rig(machine_for_examples());
+  double time = 0.0;
+  rig.machine.set_setpoint_listener(
+      [&](const motion::Setpoint& setpoint) { time += setpoint.duration; });
+  REQUIRE(rig.machine.load(*program, name));
+  REQUIRE(rig.machine.run());
+  run_with_prompts(rig);
+  CHECK(rig.shown()->job.ended_well);
+  CHECK(time > 5.0);
+  CHECK(time ==
+        Approx(prediction.time()).margin(rig.machine.config().trajectory.interpolation_time));
+}
+
+TEST_CASE("A prediction ends where the run would end with an error", "[JOB-2][JOB-5]") {
+  const MachineData data = free_machine();
+  const auto program = interp::Program::from_text("G1 X10 F600\nG1 X900\n", "test.nc");
+  REQUIRE(program);
+  const Prediction prediction = prediction_of(data, *program);
+  REQUIRE(prediction.error);
+  CHECK(prediction.error->code == ErrorCode::travel_limit);
+  CHECK(prediction.error->place->line == 2);
+  // 10 mm at 10 mm/s and the ramps, v/a = 10/500 s.
+  CHECK(prediction.time() == Approx(1.0 + 0.02).epsilon(1e-3));
+}
+
+TEST_CASE("The time at the end of a move is the sum of the moves before it", "[JOB-5]") {
+  const MachineData data = free_machine();
+  const auto program =
+      interp::Program::from_text("G61.1\nG1 X10 F600\nG1 X20\nG1 X30\n", "test.nc");
+  REQUIRE(program);
+  const Prediction prediction = prediction_of(data, *program);
+  // Each move from rest to rest: 10 mm at 10 mm/s, v/a = 10/500 s of ramps.
+  for (std::uint64_t move = 1; move <= 3; ++move)
+    CHECK(prediction.time_at(move) == Approx(static_cast<double>(move) * 1.02).epsilon(1e-3));
+  CHECK(prediction.time_at(0) == 0.0);
+  CHECK(prediction.time_at(1000) == prediction.time());
+}
+
+TEST_CASE("A very long job's marks stay few and ascending", "[JOB-5][JOB-6]") {
+  Prediction prediction;
+  constexpr std::uint64_t kMoves = 1'000'000;
+  for (std::uint64_t move = 1; move <= kMoves; ++move)
+    prediction.add({.duration = 0.001, .position = {}, .velocity = {}, .tag = {.id = move}});
+  CHECK(prediction.time() == Approx(0.001 * kMoves));
+  double before = 0.0;
+  for (std::uint64_t move = 0; move <= kMoves; move += 999) {
+    const double time = prediction.time_at(move);
+    CHECK(time >= before);
+    // A ten-thousandth of the job is 100 moves, 0.1 s.
+    CHECK(std::abs(time - 0.001 * static_cast<double>(move)) <= 0.1);
+    before = time;
+  }
+}
+
+TEST_CASE("A prediction that is not wanted any more ends", "[JOB-5]") {
+  const MachineData data = free_machine();
+  const auto program =
+      interp::Program::from_text("while [1 == 1]\nG1 X1 F600\nG1 X0\nendwhile\n", "test.nc");
+  REQUIRE(program);
+  std::stop_source stop;
+  stop.request_stop();
+  CHECK_FALSE(predict({data.config, *program, data.parameters, data.tools, {}}, stop.get_token()));
+}
+
+TEST_CASE("A loaded job is checked and predicted in the background", "[JOB-2][JOB-5][threads]") {
+  MachineData data = free_machine();
+  data.analyse_jobs = true;
+  ReadyRig rig(std::move(data));
+  REQUIRE(rig.load("G1 X10 F600\nG1 X20 G77\n"));
+  // Real time passes on the analysis' thread only.
+  for (int i = 0; i < 500 && !rig.machine.findings(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    rig.simulation.cycle();
+  }
+  REQUIRE(rig.machine.findings());
+  CHECK(rig.shown()->job.prediction_ready);
+  CHECK(rig.shown()->job.problems == 1);
+  CHECK(rig.shown()->job.extents_max[Axis::X] == Approx(10.0));
+  REQUIRE(rig.machine.findings()->report.errors.size() == 1);
+  CHECK(rig.machine.findings()->report.errors[0].line == 2);
+}
