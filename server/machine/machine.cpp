@@ -97,7 +97,7 @@ Result<void> Machine::load(std::shared_ptr<const interp::Program> program, std::
   if (auto allowed = allow(CommandKind::load); !allowed) return allowed;
   program_ = std::move(program);
   program_path_ = std::move(path);
-  elapsed_ = 0.0;
+  elapsed_ = move_began_ = 0.0;
   move_ = line_ = runs_ = 0;
   ended_well_ = false;
   analyse();
@@ -119,7 +119,7 @@ void Machine::analyse() {
 Result<void> Machine::run() {
   if (auto allowed = allow(CommandKind::run); !allowed) return allowed;
   if (!program_) return fail(ErrorCode::no_job, "No job is loaded: load a file first.");
-  elapsed_ = 0.0;
+  elapsed_ = move_began_ = 0.0;
   move_ = line_ = 0;
   single_line_ = false;
   job_.start(program_, JobControl::Kind::job);
@@ -149,7 +149,7 @@ void Machine::stop(Completion done) {
 
 Result<void> Machine::rewind() {
   if (auto allowed = allow(CommandKind::rewind); !allowed) return allowed;
-  elapsed_ = 0.0;
+  elapsed_ = move_began_ = 0.0;
   move_ = line_ = 0;
   return {};
 }

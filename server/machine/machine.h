@@ -118,6 +118,7 @@ class Machine {
   void save_parameters() { saver_.save(data_.parameters); }
   [[nodiscard]] MachineSnapshot take_snapshot();
   [[nodiscard]] JobSnapshot take_job_snapshot();
+  [[nodiscard]] double predicted_time_done(double rate) const;
 
   MachineData data_;
   MessageLog& log_;
@@ -147,6 +148,7 @@ class Machine {
   std::shared_ptr<const JobFindings> findings_;
   double elapsed_ = 0.0;
   std::uint64_t move_ = 0;        // of the job, in execution
+  double move_began_ = 0.0;       // elapsed_ then
   std::uint64_t line_ = 0;
   std::uint64_t runs_ = 0;
   bool ended_well_ = false;

@@ -109,7 +109,10 @@ void Machine::cycle_job() {
   if (advances) elapsed_ += now_ - last_cycle_;
   const JobSignal signal = job_.cycle();
   if (!single_line_) {
-    move_ = std::max(move_, feed_.executing().tag.id);
+    if (const std::uint64_t move = feed_.executing().tag.id; move > move_) {
+      move_ = move;
+      move_began_ = elapsed_;
+    }
     line_ = job_.line();
   }
   on_job_signal(signal);

@@ -67,11 +67,20 @@ JobSnapshot Machine::take_job_snapshot() {
   shown.extents_max = findings_->report.motion.highest;
   shown.predicted_time = findings_->prediction.time();
   if (over || shown.predicted_time <= 0.0) return shown;
-  const double done = findings_->prediction.time_at(move_);
-  shown.progress = std::clamp(done / shown.predicted_time, 0.0, 1.0);
   const double rate = job_.overrides_enabled() ? job_.overrides().feed : 1.0;
+  const double done = predicted_time_done(rate);
+  shown.progress = std::clamp(done / shown.predicted_time, 0.0, 1.0);
   if (rate > 0.0) shown.time_left = (shown.predicted_time - done) / rate;
   return shown;
+}
+
+/// How far the job is on the time line of its prediction: all moves before the one in execution, and
+/// as much of that one as the time since it began.
+double Machine::predicted_time_done(double rate) const {
+  if (line_ == 0) return 0.0;
+  const Prediction& prediction = findings_->prediction;
+  const double before = move_ == 0 ? 0.0 : prediction.time_at(move_ - 1);
+  return std::min(prediction.time_at(move_), before + (elapsed_ - move_began_) * rate);
 }
 
 }  // namespace cnc::server
