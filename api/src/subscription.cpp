@@ -39,11 +39,21 @@ class ConnectionReporter {
   std::optional<ConnectionChange> last_;
 };
 
-void wait(milliseconds time, const std::stop_token& stop) {
+void sleep_for(milliseconds time, const std::stop_token& stop) {
   std::mutex mutex;
   std::unique_lock lock(mutex);
   std::condition_variable_any never;
   never.wait_for(lock, stop, time, [] { return false; });
+}
+
+/// The pause before the next attempt; shorter if the lost connection comes back meanwhile. gRPC
+/// moves a new connection on only while somebody waits for it: if this thread merely slept, each
+/// handshake would time out.
+void wait(grpc::Channel& channel, milliseconds time, const std::stop_token& stop) {
+  if (channel.GetState(true) == GRPC_CHANNEL_READY) return sleep_for(time, stop);
+  constexpr milliseconds kSlice{50};  // how late a stop request may be noticed
+  for (milliseconds left = time; left > milliseconds(0) && !stop.stop_requested(); left -= kSlice)
+    if (channel.WaitForConnected(std::chrono::system_clock::now() + std::min(left, kSlice))) return;
 }
 
 /// Runs one stream from connecting to its end and answers why it ended. It calls `connected` as
@@ -51,7 +61,7 @@ void wait(milliseconds time, const std::stop_token& stop) {
 using StreamOnce =
     std::function<Error(const std::stop_token& stop, const std::function<void()>& connected)>;
 
-void keep_connected(const std::stop_token& stop, const StreamOnce& stream,
+void keep_connected(const std::stop_token& stop, grpc::Channel& channel, const StreamOnce& stream,
                     ConnectionReporter& reporter) {
   milliseconds pause = kFirstWait;
   const auto connected = [&] {
@@ -62,16 +72,18 @@ void keep_connected(const std::stop_token& stop, const StreamOnce& stream,
     Error reason = stream(stop, connected);
     if (stop.stop_requested()) return;
     reporter.disconnected(std::move(reason));
-    wait(pause, stop);
+    wait(channel, pause, stop);
     if (stop.stop_requested()) return;
     pause = std::min(2 * pause, kLongestWait);
   }
 }
 
-Subscription subscribe(StreamOnce stream, OnConnectionChange on_connection_change) {
+Subscription subscribe(std::shared_ptr<grpc::Channel> channel, StreamOnce stream,
+                       OnConnectionChange on_connection_change) {
   return Subscription(std::make_unique<Subscription::Impl>(
-      [stream = std::move(stream), reporter = ConnectionReporter(std::move(on_connection_change))](
-          std::stop_token stop) mutable { keep_connected(stop, stream, reporter); }));
+      [channel = std::move(channel), stream = std::move(stream),
+       reporter = ConnectionReporter(std::move(on_connection_change))](
+          std::stop_token stop) mutable { keep_connected(stop, *channel, stream, reporter); }));
 }
 
 /// Why a stream ended whose reader answers nothing more: its status, or the server fell silent.
@@ -181,14 +193,18 @@ Subscription::~Subscription() = default;
 Subscription make_status_subscription(std::shared_ptr<const Connection> connection,
                                       const StatusOptions& options, OnStatus on_status,
                                       OnConnectionChange on_connection_change) {
-  return subscribe(StatusStream(std::move(connection), options, std::move(on_status)),
+  auto channel = connection->channel;
+  return subscribe(std::move(channel),
+                   StatusStream(std::move(connection), options, std::move(on_status)),
                    std::move(on_connection_change));
 }
 
 Subscription make_message_subscription(std::shared_ptr<const Connection> connection,
                                        std::uint64_t after, OnMessage on_message,
                                        OnConnectionChange on_connection_change) {
-  return subscribe(MessageStream(std::move(connection), after, std::move(on_message)),
+  auto channel = connection->channel;
+  return subscribe(std::move(channel),
+                   MessageStream(std::move(connection), after, std::move(on_message)),
                    std::move(on_connection_change));
 }
 

@@ -149,7 +149,7 @@ void Homing::brake_into(Phase next) {
 
 /// The place of the release has the home position; the axis has run on a little behind it.
 std::optional<Axis> Homing::take_latch() {
-  const double behind = feed_.commanded()[axis()] - feed_.board().home_latch[axis()].position;
+  const double behind = feed_.board().position[axis()] - feed_.board().home_latch[axis()].position;
   feed_.send(DisarmLatch{axis()});
   feed_.set_position(axis(), axis_config().home_position + behind);
   const Axis homed = axis();

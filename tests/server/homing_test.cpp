@@ -12,7 +12,6 @@ using Catch::Contains;
 
 namespace {
 
-constexpr double kStep = 1.0 / 200.0;  // stepsPerUnit of the shipped machine, mm
 constexpr double kRounding = 1e-9;
 
 std::vector<std::string> homed_axes_in_order(const Rig& rig) {
@@ -45,14 +44,14 @@ TEST_CASE("Homing takes Z out of the way first, then X and Y", "[HOM-2]") {
   CHECK(rig.state() == State::ready);
 }
 
-TEST_CASE("A homed axis counts its physical position to one step", "[HOM-2][LNK-6]") {
+TEST_CASE("A homed axis counts its physical position to the step", "[HOM-2][LNK-6]") {
   UnhomedRig rig;
   REQUIRE(std::abs(rig.error_of(Axis::X)) > 100.0);  // power-up counts from 0 in the middle of 600
   REQUIRE(rig.home());
   for (const Axis axis : kLinearAxes) {
     INFO(axis_name(axis));
     CHECK(rig.homed(axis));
-    CHECK(std::abs(rig.error_of(axis)) <= kStep + kRounding);
+    CHECK(std::abs(rig.error_of(axis)) <= kRounding);
   }
 }
 
@@ -60,7 +59,7 @@ TEST_CASE("An axis that stands on its switch is homed as exactly", "[HOM-2]") {
   UnhomedRig rig({.start = Position{{-2.0, 100.0, 0.0}}});
   REQUIRE(rig.simulation.virtual_machine().home_switch(Axis::X));
   REQUIRE(rig.home({Axis::X}));
-  CHECK(std::abs(rig.error_of(Axis::X)) <= kStep + kRounding);
+  CHECK(std::abs(rig.error_of(Axis::X)) <= kRounding);
 }
 
 TEST_CASE("Homing again is as exact, however late the link answers", "[HOM-2][safety]") {
@@ -78,7 +77,7 @@ TEST_CASE("Homing again is as exact, however late the link answers", "[HOM-2][sa
   }
   REQUIRE(answered);
   rig.simulation.cycle();
-  CHECK(std::abs(rig.error_of(Axis::X)) <= kStep + kRounding);
+  CHECK(std::abs(rig.error_of(Axis::X)) <= kRounding);
 }
 
 TEST_CASE("An axis without home velocity is homed by hand, where it stands", "[HOM-1]") {
