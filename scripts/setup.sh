@@ -8,7 +8,7 @@ packages_build=(
   libeigen3-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libfast-float-dev
 )
 packages_gui=(qt6-base-dev)
-packages_test=(catch2 xvfb xauth)
+packages_test=(catch2 xvfb xauth xdotool x11-apps)
 packages_lint=(clang-16 libclang-rt-16-dev clang-tidy-16 clang-format)
 
 # ensure_packages NAME...: one apt call for those that are missing, none if all are there.

@@ -1,0 +1,48 @@
+#include "gui/command_bar.h"
+
+#include <QHBoxLayout>
+
+#include "gui/state_look.h"
+#include "gui/style.h"
+
+namespace cnc::gui {
+namespace {
+
+constexpr int kHeight = 64;
+
+}  // namespace
+
+CommandBar::CommandBar(QWidget* parent)
+    : QWidget(parent),
+      reset_(new CommandButton(tr("F1\nReset"), this)),
+      home_(new CommandButton(tr("⌂\nHome all"), this)),
+      load_(new CommandButton(tr("⏏\nLoad…"), this)),
+      rewind_(new CommandButton(tr("↺\nRewind"), this)) {
+  auto* const row = new QHBoxLayout(this);
+  row->setContentsMargins(0, 0, 0, 0);
+  row->setSpacing(8);
+  for (CommandButton* const button : {reset_, home_, load_, rewind_}) {
+    button->setFixedHeight(kHeight);
+    row->addWidget(button);
+  }
+  reset_->setObjectName(QStringLiteral("reset"));
+  home_->setObjectName(QStringLiteral("home_all"));
+  load_->setObjectName(QStringLiteral("load"));
+  rewind_->setObjectName(QStringLiteral("rewind"));
+  connect(reset_, &QPushButton::clicked, this, [this] { emit requested(Reset{}); });
+  connect(home_, &QPushButton::clicked, this, [this] { emit requested(Home{}); });
+  connect(load_, &QPushButton::clicked, this, &CommandBar::load_wanted);
+  connect(rewind_, &QPushButton::clicked, this, [this] { emit requested(Rewind{}); });
+}
+
+void CommandBar::show_status(const api::MachineStatus& status) {
+  reset_->show_availability(status.availability(api::Command::reset));
+  home_->show_availability(status.availability(api::Command::home));
+  load_->show_availability(status.availability(api::Command::load));
+  rewind_->show_availability(status.availability(api::Command::rewind));
+  const auto next = look_of(status.state).next;
+  reset_->set_awaited(next == api::Command::reset);
+  home_->set_awaited(next == api::Command::home);
+}
+
+}  // namespace cnc::gui
