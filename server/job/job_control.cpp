@@ -165,9 +165,10 @@ void JobControl::show(const JobEvent& event) {
             apply_overrides();
           },
           [&](const interp::Message& message) {
-            if (message.kind == interp::MessageKind::comment) return;
-            const bool warning = message.kind == interp::MessageKind::warning;
-            log_.add(warning ? Severity::warning : Severity::info, event.text);
+            // The text of errmsg comes again with the error that ends the program.
+            if (message.kind == interp::MessageKind::message) log_.add(Severity::info, event.text);
+            if (message.kind == interp::MessageKind::warning)
+              log_.add(Severity::warning, event.text);
           },
           [](const auto&) {},
       },

@@ -218,13 +218,17 @@ Result<void> Machine::interpret_now(std::string line) {
 void Machine::shut_down() {
   shutting_down_ = true;
   begin_stop();
-  io_.all_off();
   save_parameters();
 }
 
 bool Machine::is_shut_down() const {
-  return shutting_down_ && !job_.active() && !homing_.active() && !jog_.active() &&
-         (state_ == State::off || feed_.at_rest());
+  if (!shutting_down_ || !is_motionless()) return false;
+  return state_ == State::off ||
+         (feed_.at_rest() && io_.spindle() == interp::SpindleDirection::off);
+}
+
+bool Machine::is_motionless() const {
+  return !job_.active() && !homing_.active() && !jog_.active() && !feed_.stopping();
 }
 
 /// Slows down whatever moves; come_to_rest() follows when it stands.

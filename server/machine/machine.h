@@ -111,7 +111,9 @@ class Machine {
   void on_job_signal(JobSignal signal);
   void cycle_homing();
   void cycle_jog();
+  void cycle_stop();
   void cycle_reset();
+  [[nodiscard]] bool is_motionless() const;
   void begin_stop();
   void end_job(const Result<void>& result);
   void come_to_rest();

@@ -36,6 +36,7 @@ void Machine::cycle(double now) {
   cycle_job();
   cycle_homing();
   cycle_jog();
+  cycle_stop();
   cycle_reset();
   take_findings();
   snapshots_.publish(take_snapshot());
@@ -155,7 +156,9 @@ void Machine::on_job_signal(JobSignal signal) {
 void Machine::end_job(const Result<void>& result) {
   job_.abandon();
   const bool was_job = !std::exchange(single_line_, false);
-  if (!result) io_.all_off();
+  // A wrong line of the operator moves nothing and switches nothing.
+  const bool interrupted = !result && result.error().code == ErrorCode::command_interrupted;
+  if (interrupted || (was_job && !result)) io_.all_off();
   if (was_job) {
     ++runs_;
     ended_well_ = result.has_value();
@@ -169,8 +172,18 @@ void Machine::end_job(const Result<void>& result) {
 }
 
 void Machine::come_to_rest() {
+  // After a quick stop the position is known only when the board stands: cycle_stop() comes back.
+  if (feed_.stopping()) return enter(State::stopping);
   enter(resting_state());
   settle(WaitFor::rest, {});
+}
+
+void Machine::cycle_stop() {
+  if (state_ == State::stopping && !job_.active() && !feed_.stopping()) {
+    interpreter_.set_position(feed_.commanded());
+    come_to_rest();
+  }
+  if (is_motionless() && shutting_down_) io_.all_off();
 }
 
 void Machine::cycle_homing() {
@@ -206,7 +219,7 @@ void Machine::cycle_jog() {
 
 /// Reset: stand still, clear the board's faults, switch the drives on.
 void Machine::cycle_reset() {
-  if (!reset_wanted_ || job_.active() || homing_.active() || jog_.active()) return;
+  if (!reset_wanted_ || !is_motionless()) return;
   const hal::ControllerStatus& board = feed_.board();
   if (reset_deadline_ == 0.0) {
     // Clearing faults makes the board forget outputs that are on their way: it has to have them all.

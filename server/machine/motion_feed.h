@@ -40,6 +40,8 @@ class MotionFeed {
 
   /// Everything emitted and every command sent has been executed, and the machine stands.
   [[nodiscard]] bool at_rest() const;
+  /// A quick stop is under way: where the machine will stand is not known yet.
+  [[nodiscard]] bool stopping() const { return position_unknown_; }
   [[nodiscard]] Executing executing() const;
   /// Axes that the board was moving in the segment it executes, or in which it has been stopped. None
   /// once that stop has been accepted.
