@@ -52,13 +52,22 @@ Accepted check_machine_coordinates(const Block& block, const ModalState& modal) 
                 "G53 moves in machine coordinates with G0 or G1 only.", "G0 or G1 on this line.");
 }
 
+/// "G0 G91 G28 Z0", with which post processors end: G0 is how G28 moves anyway, so it only sets the
+/// mode and the axis words belong to G28.
+[[nodiscard]] bool homes_by_rapid(const Block& block) {
+  constexpr std::int32_t kG28 = 280;
+  constexpr std::int32_t kG30 = 300;
+  const std::int32_t home = block.code(Step::non_modal).number;
+  return block.code(Step::motion).number == kG0 && (home == kG28 || home == kG30);
+}
+
 /// Axis words belong to exactly one code; without any they belong to the motion in force.
 Accepted assign_axes(Block& block, const ModalState& modal) {
   const bool has_axes = (block.words() & kAxisWords) != 0;
   const bool non_modal_takes =
       block.has(Step::non_modal) && takes_axes(block.code(Step::non_modal));
   const bool motion_takes = block.has(Step::motion) && takes_axes(block.code(Step::motion));
-  if (non_modal_takes && motion_takes) {
+  if (non_modal_takes && motion_takes && !homes_by_rapid(block)) {
     return refuse(ErrorCode::axis_words_claimed_twice, block.span_of(Step::motion),
                   fmt::format("{} and {} both use the axis words of this line.",
                               block.code(Step::non_modal).name, block.code(Step::motion).name),

@@ -49,6 +49,7 @@ enum class Step : std::uint8_t {
   path_control,
   distance_mode,
   arc_distance_mode,
+  retract_mode,
   non_modal,            ///< G10 G28 G30 G92
   machine_coordinates,  ///< G53, read by the motion that follows
   motion,
@@ -74,6 +75,7 @@ enum class Group : std::uint8_t {
   spindle,
   coolant,
   overrides,
+  retract_mode,
   word,  ///< F S T and comments: not codes, but executed like them
 };
 

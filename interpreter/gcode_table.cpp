@@ -43,7 +43,14 @@ constexpr auto kCodes = std::to_array<Code>({
     {"G64",  640, Group::path_control, Step::path_control, none, words("PQR"), kNoWords, set_path_control, "continuous; P tolerance, Q simplification, R look-ahead angle"},
     {"G70",  700, Group::units,     Step::units,     none,     kNoWords,     kNoWords,   use_length_unit, "inches (as G20)"},
     {"G71",  710, Group::units,     Step::units,     none,     kNoWords,     kNoWords,   use_length_unit, "millimetres (as G21)"},
+    {"G73",  730, Group::motion,    Step::motion,    required, words("RLQP"), kNoWords, canned_cycle,  "canned cycle: drill in steps of Q, break the chip; P dwell"},
     {"G80",  800, Group::motion,    Step::motion,    none,     kNoWords,     kNoWords,   cancel_motion, "no motion mode"},
+    {"G81",  810, Group::motion,    Step::motion,    required, words("RL"), kNoWords, canned_cycle,  "canned cycle: drill"},
+    {"G82",  820, Group::motion,    Step::motion,    required, words("RLP"), kNoWords, canned_cycle,  "canned cycle: drill, dwell P"},
+    {"G83",  830, Group::motion,    Step::motion,    required, words("RLQP"), kNoWords, canned_cycle,  "canned cycle: drill in steps of Q, clear the hole; P dwell"},
+    {"G85",  850, Group::motion,    Step::motion,    required, words("RL"), kNoWords, canned_cycle,  "canned cycle: bore, feed out"},
+    {"G86",  860, Group::motion,    Step::motion,    required, words("RLP"), kNoWords, canned_cycle,  "canned cycle: bore, dwell P, spindle off, rapid out"},
+    {"G89",  890, Group::motion,    Step::motion,    required, words("RLP"), kNoWords, canned_cycle,  "canned cycle: bore, dwell P, feed out"},
     {"G90",  900, Group::distance_mode, Step::distance_mode, none, kNoWords, kNoWords,   set_distance_mode, "absolute distances"},
     {"G90.1", 901, Group::arc_distance_mode, Step::arc_distance_mode, none, kNoWords, kNoWords, set_arc_distance_mode, "I J K are positions"},
     {"G91",  910, Group::distance_mode, Step::distance_mode, none, kNoWords, kNoWords,   set_distance_mode, "incremental distances"},
@@ -54,6 +61,8 @@ constexpr auto kCodes = std::to_array<Code>({
     {"G92.3", 923, Group::non_modal, Step::non_modal, none,    kNoWords,     kNoWords,   restore_g92_offset, "G92 offset from #5211-#5216"},
     {"G93",  930, Group::feed_mode, Step::feed_mode, none,     kNoWords,     kNoWords,   set_feed_mode, "inverse time feed"},
     {"G94",  940, Group::feed_mode, Step::feed_mode, none,     kNoWords,     kNoWords,   set_feed_mode, "feed per minute"},
+    {"G98",  980, Group::retract_mode, Step::retract_mode, none, kNoWords,   kNoWords,   set_retract_mode, "canned cycles retract to where they began"},
+    {"G99",  990, Group::retract_mode, Step::retract_mode, none, kNoWords,   kNoWords,   set_retract_mode, "canned cycles retract to R"},
 });
 // clang-format on
 

@@ -23,6 +23,9 @@ Accepted cancel_motion(Execution& x);  // G80
 Accepted dwell(Execution& x);          // G4
 Accepted go_home(Execution& x);        // G28 G30
 
+// canned cycles (canned_cycles.cpp)
+Accepted canned_cycle(Execution& x);  // G73 G81 G82 G83 G85 G86 G89
+
 // modes (modes.cpp)
 Accepted select_plane(Execution& x);                // G17 G18 G19
 Accepted use_length_unit(Execution& x);             // G20 G21 G70 G71
@@ -30,6 +33,7 @@ Accepted cancel_cutter_compensation(Execution& x);  // G40
 Accepted set_path_control(Execution& x);            // G61 G61.1 G64
 Accepted set_distance_mode(Execution& x);           // G90 G91
 Accepted set_arc_distance_mode(Execution& x);       // G90.1 G91.1
+Accepted set_retract_mode(Execution& x);            // G98 G99
 Accepted set_feed_mode(Execution& x);               // G93 G94
 Accepted use_machine_coordinates(Execution& x);     // G53
 

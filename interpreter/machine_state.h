@@ -17,6 +17,9 @@ class WorkCoordinates {
   [[nodiscard]] const Position& tool_length() const { return tool_length_; }
   [[nodiscard]] const Position& total() const { return total_; }
 
+  [[nodiscard]] Position to_machine(const Position& work) const { return work + total_; }
+  [[nodiscard]] Position to_work(const Position& machine) const { return machine - total_; }
+
   void set_work_offset(const Position& offset);
   void set_g92_offset(const Position& offset);
   /// Along X (turning) and Z.
@@ -31,12 +34,24 @@ class WorkCoordinates {
   Position total_;
 };
 
+/// Words of a canned cycle that stay for the lines that follow it (manual 3.4.21): lengths in mm.
+struct CycleWords {
+  double bottom = 0.0;   ///< Z in the XY plane
+  double retract = 0.0;  ///< R
+  double peck = 0.0;     ///< Q
+  double dwell = 0.0;    ///< P, s
+  /// What the numbers were written for; in another plane or distance mode they mean nothing.
+  Plane plane = Plane::xy;
+  DistanceMode distance = DistanceMode::absolute;
+};
+
 struct MachineState {
   ModalState modal;
   WorkCoordinates coordinates;
+  CycleWords cycle;   ///< as modal.motion last had it, if that is a canned cycle
   Position position;  ///< machine coordinates that the program has reached
 
-  [[nodiscard]] Position work_position() const { return position - coordinates.total(); }
+  [[nodiscard]] Position work_position() const { return coordinates.to_work(position); }
   /// Program units of an axis to mm or degrees: inches exist for X Y Z only.
   [[nodiscard]] double scale(Axis axis) const {
     return is_rotary(axis) ? 1.0 : millimetres_per(modal.unit);

@@ -10,6 +10,8 @@
 namespace cnc::interp {
 
 enum class DistanceMode : std::uint8_t { absolute, incremental };  ///< G90 G91; G90.1 G91.1
+/// How far canned cycles retract: G98 to where they began, if that is above R; G99 to R.
+enum class RetractMode : std::uint8_t { old_position, r_position };
 /// Where the tool length comes from: G49; G43, follows M6; G43 H, stays.
 enum class LengthSource : std::uint8_t { none, spindle_tool, table };
 
@@ -24,6 +26,7 @@ struct ModalState {
   LengthUnit unit = LengthUnit::millimetre;
   DistanceMode distance = DistanceMode::absolute;
   DistanceMode arc_distance = DistanceMode::incremental;
+  RetractMode retract = RetractMode::old_position;
   FeedMode feed_mode = FeedMode::per_minute;
   double feed = 0.0;         ///< as last said by SetFeedRate; 0 = not programmed in this mode
   double linear_feed = 0.0;  ///< F of G94 for moves with X Y Z, mm/s

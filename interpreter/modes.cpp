@@ -1,4 +1,4 @@
-// G17-G21, G40, G61-G64, G90-G94, G53: what only changes how later words are read.
+// G17-G21, G40, G61-G64, G90-G94, G98, G99, G53: what only changes how later words are read.
 #include <fmt/format.h>
 
 #include "interpreter/execution.h"
@@ -64,6 +64,11 @@ Accepted set_distance_mode(Execution& x) {
 Accepted set_arc_distance_mode(Execution& x) {
   x.state().modal.arc_distance =
       x.code() == 901 ? DistanceMode::absolute : DistanceMode::incremental;
+  return {};
+}
+
+Accepted set_retract_mode(Execution& x) {
+  x.state().modal.retract = x.code() == 980 ? RetractMode::old_position : RetractMode::r_position;
   return {};
 }
 

@@ -6,72 +6,13 @@
 #include "interpreter/arc_geometry.h"
 #include "interpreter/execution.h"
 #include "interpreter/handlers.h"
+#include "interpreter/moves.h"
 
 namespace cnc::interp {
 namespace {
 
 constexpr std::int32_t kClockwiseArc = 20;  // G2
 constexpr std::int32_t kCancelMotion = 800;
-
-/// Where the axis words of the line lead, machine coordinates.
-[[nodiscard]] Position target(const Execution& x) {
-  const Block& block = x.block();
-  const MachineState& state = x.state();
-  const bool machine = block.has(Step::machine_coordinates);
-  const bool incremental = state.modal.distance == DistanceMode::incremental;
-  const Position& offset = state.coordinates.total();
-
-  Position end = state.position;
-  for (const Axis axis : kAllAxes) {
-    if (!block.has(axis)) continue;
-    const double value = block.value(axis) * state.scale(axis);
-    if (machine) {
-      end[axis] = value;  // also under G91: G53 names a place
-    } else if (incremental) {
-      end[axis] += value;
-    } else {
-      end[axis] = value + offset[axis];
-    }
-  }
-  return end;
-}
-
-[[nodiscard]] bool turns_rotary_axes_only(const Position& from, const Position& to) {
-  for (const Axis axis : kLinearAxes) {
-    if (from[axis] != to[axis]) return false;
-  }
-  for (const Axis axis : kRotaryAxes) {
-    if (from[axis] != to[axis]) return true;
-  }
-  return false;
-}
-
-/// A move at feed rate needs one: on its own line in inverse time, before or on it otherwise.
-Accepted check_feed(const Execution& x) {
-  const ModalState& modal = x.state().modal;
-  if (modal.feed_mode == FeedMode::inverse_time && !x.block().has('F')) {
-    return refuse(
-        ErrorCode::inverse_time_feed_missing, x.code_span(),
-        fmt::format("{} needs F on its own line: G93 (inverse time) is active.", x.code_name()),
-        "F on every line with G1 G2 G3.");
-  }
-  if (modal.feed > 0.0) return {};
-  return refuse(ErrorCode::feed_not_set, x.code_span(),
-                fmt::format("{} without a feed rate.", x.code_name()),
-                "F above 0, on this line or before it.");
-}
-
-/// In inch programs F means inches for linear and degrees for rotary moves: the commands carry
-/// either, so the feed is said again where the kind of move changes.
-void use_feed_for(Execution& x, const Position& end) {
-  ModalState& modal = x.state().modal;
-  if (modal.feed_mode != FeedMode::per_minute || modal.linear_feed == modal.rotary_feed) return;
-  const bool rotary = turns_rotary_axes_only(x.state().position, end);
-  const double wanted = rotary ? modal.rotary_feed : modal.linear_feed;
-  if (modal.feed == wanted) return;
-  modal.feed = wanted;
-  x.emit(SetFeedRate{modal.feed_mode, wanted});
-}
 
 /// I J K of the arc's plane; the third is an error.
 struct CentreWords {
@@ -146,14 +87,17 @@ Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const C
 
 [[nodiscard]] bool has_axis_words(const Block& block) { return (block.words() & kAxisWords) != 0; }
 
+/// "G0 G28 Z0": the axis words belong to G28 (check_block.cpp).
+[[nodiscard]] bool non_modal_takes_axes(const Block& block) {
+  return block.has(Step::non_modal) && block.code(Step::non_modal).axes != AxisUse::none;
+}
+
 }  // namespace
 
 Accepted rapid_move(Execution& x) {
   x.state().modal.motion = x.code();
-  if (!has_axis_words(x.block())) return {};
-  const Position end = target(x);
-  x.emit(RapidMove{end});
-  x.state().position = end;
+  if (!has_axis_words(x.block()) || non_modal_takes_axes(x.block())) return {};
+  move_rapid(x, target(x));
   return {};
 }
 
@@ -161,10 +105,7 @@ Accepted feed_move(Execution& x) {
   x.state().modal.motion = x.code();
   if (!has_axis_words(x.block())) return {};  // "G1 F300"
   if (Accepted feed = check_feed(x); !feed) return feed;
-  const Position end = target(x);
-  use_feed_for(x, end);
-  x.emit(FeedMove{end});
-  x.state().position = end;
+  move_feed(x, target(x));
   return {};
 }
 
@@ -210,16 +151,12 @@ Accepted go_home(Execution& x) {
   const config::ParameterStore& stored = x.parameters();
   const Position home = x.code() == kG28 ? stored.g28_position() : stored.g30_position();
   const bool some_named = has_axis_words(x.block());
-  if (some_named) {
-    x.state().position = target(x);
-    x.emit(RapidMove{x.state().position});
-  }
+  if (some_named) move_rapid(x, target(x));
   Position end = x.state().position;
   for (const Axis axis : kAllAxes) {
     if (!some_named || x.block().has(axis)) end[axis] = home[axis];
   }
-  x.emit(RapidMove{end});
-  x.state().position = end;
+  move_rapid(x, end);
   return {};
 }
 

@@ -3,7 +3,9 @@
 // know, are refused on the right line. Skipped where the corpus is not at hand.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdio>
 #include <filesystem>
+#include <sstream>
 
 #include "tests/interpreter/support.h"
 
@@ -28,6 +30,35 @@ CheckReport check_file(const std::string& name, const CheckOptions& options = {}
   return check(*program, {}, {}, {}, {}, options);
 }
 
+/// A straight move as the corpus and these tests compare them.
+struct Stroke {
+  bool rapid = false;
+  Position end;
+};
+
+/// The moves of a file of canonical commands in inches; moves to where the tool is are left out,
+/// for interpreters differ in them.
+std::vector<Stroke> expected_strokes(const std::string& text) {
+  std::vector<Stroke> strokes;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    const std::size_t begin = line.find("STRAIGHT_");
+    if (begin == std::string::npos) continue;
+    Stroke stroke{.rapid = line.compare(begin, 17, "STRAIGHT_TRAVERSE") == 0, .end = {}};
+    double x = 0;
+    double y = 0;
+    double z = 0;
+    const char* numbers = line.c_str() + line.find('(', begin);
+    REQUIRE(std::sscanf(numbers, "(%lf, %lf, %lf", &x, &y, &z) == 3);
+    stroke.end[Axis::X] = 25.4 * x;
+    stroke.end[Axis::Y] = 25.4 * y;
+    stroke.end[Axis::Z] = 25.4 * z;
+    if (!strokes.empty() && linear_length(strokes.back().end - stroke.end) < 1e-9) continue;
+    strokes.push_back(stroke);
+  }
+  return strokes;
+}
+
 struct Refused {
   const char* file;
   std::uint32_t line;
@@ -47,7 +78,8 @@ TEST_CASE("Real programs run to their end", "[GCO-2][LNG-11]") {
       "CauldronDevelopmentLLC--flower_mold.nc", "CauldronDevelopmentLLC--tiger.nc",
       "SergeyPopovGit--ScalePanel.nc", "Sienci-Labs--FourAxisSurface_finishPass.nc",
       "bdring--arcs_arrows.nc", "winder--communicator.nc", "synthetos--FordEmblem.gcode",
-      "winder--arc_rword_test.gcode", "winder--no_spaces.gcode", "fragmuffin--Skull2.tap");
+      "winder--arc_rword_test.gcode", "winder--no_spaces.gcode", "fragmuffin--Skull2.tap",
+      "linuxcnc--g17-g98-g81.ngc", "pcb2gcode--drill.ngc", "MaestroFusion360--G83.NC");
   INFO(name);
   const CheckReport report = check_file(name);
   for (const Diagnostic& error : report.errors) UNSCOPED_INFO(error.to_string());
@@ -61,7 +93,7 @@ TEST_CASE("Wrong and unknown programs are refused on the right line", "[LNG-10]"
       {"linuxcnc--bad-no-feed-rate.ngc", 2, ErrorCode::feed_not_set},
       {"linuxcnc--bad-ccomp-gouging.ngc", 3, ErrorCode::unknown_g_code},
       {"linuxcnc--daisy.ngc", 3, ErrorCode::o_word},
-      {"linuxcnc--polar.ngc", 9, ErrorCode::unknown_g_code},
+      {"linuxcnc--polar.ngc", 10, ErrorCode::unexpected_character},
       {"linuxcnc--3D_Chips.ngc", 8, ErrorCode::named_parameter},
       {"CauldronDevelopmentLLC--genes-encoder.ngc", 22, ErrorCode::o_word},
       {"CauldronDevelopmentLLC--heart.ngc", 3, ErrorCode::named_parameter},
@@ -106,6 +138,29 @@ TEST_CASE("The tolerance case of LinuxCNC keeps its end points", "[GCO-2]") {
   if (corpus_missing()) return;
   const CheckReport report = check_file("linuxcnc--good-arc.medium.metric.ngc");
   CHECK(report.motion.highest[Axis::X] == 2000.0);
+}
+
+TEST_CASE("G81 goes where LinuxCNC's expected moves go", "[GCO-3]") {
+  if (corpus_missing()) return;
+  const auto expected = expected_strokes(read_file(kCorpus + "linuxcnc--g17-g98-g81.expected.txt"));
+  REQUIRE(expected.size() == 38);
+  std::vector<Stroke> strokes;
+  CheckOptions options;
+  options.sink = [&](const Command& command) {
+    if (const auto* rapid = std::get_if<RapidMove>(&command.body)) {
+      strokes.push_back({true, rapid->end});
+    }
+    if (const auto* feed = std::get_if<FeedMove>(&command.body)) {
+      strokes.push_back({false, feed->end});
+    }
+  };
+  REQUIRE(check_file("linuxcnc--g17-g98-g81.ngc", options).ok());
+  REQUIRE(strokes.size() == expected.size());
+  for (std::size_t i = 0; i < strokes.size(); ++i) {
+    INFO("move " << i);
+    CHECK(strokes[i].rapid == expected[i].rapid);
+    CHECK(linear_length(strokes[i].end - expected[i].end) < 1e-9);
+  }
 }
 
 TEST_CASE("The sample programs of the PSCNC manual run", "[LNG-11]") {

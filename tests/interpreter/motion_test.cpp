@@ -75,7 +75,7 @@ TEST_CASE("Straight moves that are an error", "[GCO-2][LNG-10]") {
       {"G53 with an arc", "F1\nG2 G53 X1 I1", "machine_move_not_straight@4"},
       {"G53 without axis words", "G0 G53", "axis_words_missing@4"},
       {"two codes that use the axis words", "G1 G92 X1", "axis_words_claimed_twice@1"},
-      {"G28 and G0", "G0 G28 Z0", "axis_words_claimed_twice@1"},
+      {"G28 and G1", "F1\nG1 G28 Z0", "axis_words_claimed_twice@1"},
   }));
   INFO(row.rule);
   CHECK(refusal_of(row.text) == row.expected);
@@ -121,6 +121,18 @@ TEST_CASE("G28 and G30 go by way of the programmed point; only named axes go on"
             "PROGRAM_END()"});
   bench.parameters.set_g30_position(home * 2.0);
   CHECK(bench.run("G30\n").position[Axis::Y] == 4.0);
+}
+
+TEST_CASE("G0 beside G28 sets the mode; the axis words are those of G28", "[CRD-3]") {
+  Bench bench;
+  bench.start[Axis::X] = 7;
+  bench.start[Axis::Z] = -5;
+  const Outcome outcome = bench.run("F60 G1 G91 Z-1\nG0 G28 Z2\nX1\n");
+  // X goes on in increments and at rapid: 7 + 1.
+  CHECK(outcome.position[Axis::X] == 8.0);
+  CHECK(outcome.position[Axis::Z] == 0.0);
+  CHECK(outcome.modal.motion == 0);
+  CHECK(end_of("G0 G92.1 X5")[Axis::X] == 5.0);
 }
 
 TEST_CASE("G28 suspends the motion mode for its line only", "[CRD-3]") {
