@@ -35,6 +35,7 @@ Machine::Machine(MachineData data, Link& link, MessageLog& log)
 Machine::~Machine() {
   const auto stopped = fail(ErrorCode::server_stopping, "The server is shutting down.");
   for (Waiter& waiter : std::exchange(waiters_, {})) waiter.done(stopped);
+  for (auto& [ticket, done] : std::exchange(waiting_for_disk_, {})) done(stopped);
 }
 
 Result<void> Machine::allow(CommandKind command) const {
@@ -50,15 +51,38 @@ void Machine::wait_for(WaitFor what, Completion done) {
   waiters_.push_back({what, std::move(done)});
 }
 
-void Machine::settle(WaitFor what, const Result<void>& result) {
-  // A completion may call the machine again: take the waiters out before calling any of them.
-  std::vector<Completion> done;
+/// A completion may call the machine again: waiters are taken out before any of them is called.
+std::vector<Completion> Machine::take_waiters(WaitFor what) {
+  std::vector<Completion> taken;
   std::erase_if(waiters_, [&](Waiter& waiter) {
     if (waiter.what != what) return false;
-    done.push_back(std::move(waiter.done));
+    taken.push_back(std::move(waiter.done));
     return true;
   });
-  for (Completion& completion : done) completion(result);
+  return taken;
+}
+
+void Machine::settle(WaitFor what, const Result<void>& result) {
+  for (Completion& completion : take_waiters(what)) completion(result);
+}
+
+void Machine::settle_when_saved(WaitFor what, const Result<void>& result) {
+  if (!result) return settle(what, result);
+  for (Completion& completion : take_waiters(what)) when_saved(std::move(completion));
+}
+
+void Machine::when_saved(Completion done) {
+  waiting_for_disk_.emplace_back(saver_.save(data_.parameters), std::move(done));
+}
+
+void Machine::answer_saved() {
+  while (!waiting_for_disk_.empty()) {
+    const auto outcome = saver_.outcome(waiting_for_disk_.front().first);
+    if (!outcome) return;
+    const Completion done = std::move(waiting_for_disk_.front().second);
+    waiting_for_disk_.erase(waiting_for_disk_.begin());
+    done(*outcome);
+  }
 }
 
 void Machine::reset(Completion done) {

@@ -71,6 +71,8 @@ class Machine {
   void jog_stop();
   Result<Overrides> set_overrides(const Overrides& overrides);
   Result<void> set_work_zero(const std::vector<WorkCoordinate>& coordinates);
+  /// Answers when parameters and offsets as they are now are on disk.
+  void when_saved(Completion done);
   /// Brings everything to a standstill and saves; for the end of the program.
   void shut_down();
   [[nodiscard]] bool is_shut_down() const;
@@ -100,6 +102,9 @@ class Machine {
   [[nodiscard]] Result<void> interpret_now(std::string line);
   void wait_for(WaitFor what, Completion done);
   void settle(WaitFor what, const Result<void>& result);
+  /// A good result is told when it is on disk: whoever hears of it may rely on it.
+  void settle_when_saved(WaitFor what, const Result<void>& result);
+  [[nodiscard]] std::vector<Completion> take_waiters(WaitFor what);
   void enter(State state) { state_ = state; }
   [[nodiscard]] State resting_state() const;
   [[nodiscard]] bool all_homed() const;
@@ -118,6 +123,7 @@ class Machine {
   void end_job(const Result<void>& result);
   void come_to_rest();
   void save_parameters() { saver_.save(data_.parameters); }
+  void answer_saved();
   [[nodiscard]] MachineSnapshot take_snapshot();
   [[nodiscard]] JobSnapshot take_job_snapshot();
   [[nodiscard]] double predicted_time_done(double rate) const;
@@ -139,6 +145,7 @@ class Machine {
   std::uint64_t sequence_ = 0;
   AxisArray<bool> homed_{};
   std::vector<Waiter> waiters_;
+  std::vector<std::pair<ParameterSaver::Ticket, Completion>> waiting_for_disk_;
   bool single_line_ = false;      // what job_ executes is an MDI line
   bool reset_wanted_ = false;
   double reset_deadline_ = 0.0;

@@ -39,6 +39,7 @@ void Machine::cycle(double now) {
   cycle_stop();
   cycle_reset();
   take_findings();
+  answer_saved();
   snapshots_.publish(take_snapshot());
 }
 
@@ -166,7 +167,7 @@ void Machine::end_job(const Result<void>& result) {
   }
   save_parameters();
   if (!was_job) analyse();
-  settle(WaitFor::mdi, result);
+  settle_when_saved(WaitFor::mdi, result);
   settle(WaitFor::pause, fail(ErrorCode::command_interrupted, "The job ended before the pause."));
   come_to_rest();
 }

@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "config/atomic_file.h"
+
 namespace cnc::server {
 
 ParameterSaver::ParameterSaver(std::filesystem::path path, MessageLog& log)
@@ -16,32 +18,41 @@ ParameterSaver::~ParameterSaver() {
   thread_.join();
 }
 
-void ParameterSaver::save(const config::ParameterStore& parameters) {
-  if (path_.empty()) return;
-  {
-    const std::scoped_lock lock(mutex_);
-    waiting_ = parameters;
-  }
+ParameterSaver::Ticket ParameterSaver::save(const config::ParameterStore& parameters) {
+  if (path_.empty()) return 0;
+  std::string text = parameters.to_text();
+  const std::scoped_lock lock(mutex_);
+  if (text == newest_text_) return newest_;
+  newest_text_ = std::move(text);
   changed_.notify_all();
+  return ++newest_;
+}
+
+std::optional<Result<void>> ParameterSaver::outcome(Ticket ticket) const {
+  const std::scoped_lock lock(mutex_);
+  if (done_ < ticket) return std::nullopt;
+  return result_;
 }
 
 void ParameterSaver::wait() {
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [this] { return !waiting_ && !writing_; });
+  changed_.wait(lock, [this] { return done_ == newest_; });
 }
 
 void ParameterSaver::work() {
   std::unique_lock lock(mutex_);
   for (;;) {
-    changed_.wait(lock, [this] { return waiting_ || ending_; });
-    if (!waiting_) return;
-    const config::ParameterStore parameters = std::move(*waiting_);
-    waiting_.reset();
-    writing_ = true;
+    changed_.wait(lock, [this] { return done_ != newest_ || ending_; });
+    if (done_ == newest_) return;
+    const std::string text = newest_text_;
+    const Ticket ticket = newest_;
     lock.unlock();
-    if (auto saved = parameters.save(path_); !saved) log_.add(saved.error());
+    Result<void> written = config::write_file_atomically(path_, text);
+    if (!written) log_.add(written.error());
     lock.lock();
-    writing_ = false;
+    if (!written && newest_ == ticket) newest_text_.clear();
+    done_ = ticket;
+    result_ = std::move(written);
     changed_.notify_all();
   }
 }

@@ -1,11 +1,13 @@
-// Parameters and tools on disk. Saving happens on a thread of its own: fsync may take long, and the
-// executor has motion to feed.
+// Parameters on disk. Saving happens on a thread of its own: fsync may take long, and the executor
+// has motion to feed. Whoever has to know asks for the outcome of the ticket.
 #pragma once
 
 #include <condition_variable>
+#include <cstdint>
 #include <filesystem>
 #include <mutex>
 #include <optional>
+#include <string>
 #include <thread>
 
 #include "config/parameter_store.h"
@@ -15,14 +17,19 @@ namespace cnc::server {
 
 class ParameterSaver {
  public:
-  /// Errors go to `log`. An empty path saves nothing (simulation).
+  using Ticket = std::uint64_t;
+
+  /// Errors go to `log`, too. An empty path saves nothing (simulation).
   ParameterSaver(std::filesystem::path path, MessageLog& log);
   /// Writes what is still waiting, then ends.
   ~ParameterSaver();
 
-  /// Takes a copy and returns at once; of several copies that wait, the newest is written.
-  void save(const config::ParameterStore& parameters);
-  /// Blocks until everything handed over so far is on disk.
+  /// Takes a copy and returns at once. Of several copies that wait the newest is written; what was
+  /// handed over already is not written again.
+  Ticket save(const config::ParameterStore& parameters);
+  /// How the save of the ticket, or a later one, ended; nothing while it is under way.
+  [[nodiscard]] std::optional<Result<void>> outcome(Ticket ticket) const;
+  /// Blocks until everything handed over so far has been written or refused.
   void wait();
 
  private:
@@ -30,10 +37,12 @@ class ParameterSaver {
 
   const std::filesystem::path path_;
   MessageLog& log_;
-  std::mutex mutex_;  // protects the members below
+  mutable std::mutex mutex_;  // protects the members below
   std::condition_variable changed_;
-  std::optional<config::ParameterStore> waiting_;
-  bool writing_ = false;
+  std::string newest_text_;   // as handed over; empty: must be written in any case
+  Ticket newest_ = 0;
+  Ticket done_ = 0;
+  Result<void> result_;       // of done_
   bool ending_ = false;
   std::thread thread_;
 };

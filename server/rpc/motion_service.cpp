@@ -41,9 +41,11 @@ class MotionService final : public v1::Motion::CallbackService {
       if (!axis) return answer(invalid_argument("A coordinate names no axis; axes are X … C."));
       coordinates.push_back({*axis, coordinate.value()});
     }
-    return on_executor(host_, [coordinates = std::move(coordinates)](Machine& machine) {
-      return machine.set_work_zero(coordinates);
-    });
+    return when_completed(
+        host_, [coordinates = std::move(coordinates)](Machine& machine, Completion done) {
+          if (auto set = machine.set_work_zero(coordinates); !set) return done(set);
+          machine.when_saved(std::move(done));
+        });
   }
 
   grpc::ServerUnaryReactor* SimulateEstop(grpc::CallbackServerContext*,
