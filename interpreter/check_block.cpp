@@ -2,6 +2,7 @@
 
 #include <bit>
 #include <fmt/format.h>
+#include <optional>
 
 namespace cnc::interp {
 namespace {
@@ -63,17 +64,20 @@ Accepted check_machine_coordinates(const Block& block, const ModalState& modal) 
 
 /// Axis words belong to exactly one code; without any they belong to the motion in force.
 Accepted assign_axes(Block& block, const ModalState& modal) {
-  const bool has_axes = (block.words() & kAxisWords) != 0;
-  const bool non_modal_takes =
-      block.has(Step::non_modal) && takes_axes(block.code(Step::non_modal));
-  const bool motion_takes = block.has(Step::motion) && takes_axes(block.code(Step::motion));
-  if (non_modal_takes && motion_takes && !homes_by_rapid(block)) {
-    return refuse(ErrorCode::axis_words_claimed_twice, block.span_of(Step::motion),
-                  fmt::format("{} and {} both use the axis words of this line.",
-                              block.code(Step::non_modal).name, block.code(Step::motion).name),
-                  "Two lines.");
+  std::optional<Step> owner;
+  for (const Step step : {Step::scaling, Step::rotation, Step::non_modal, Step::motion}) {
+    if (!block.has(step) || !takes_axes(block.code(step))) continue;
+    if (step == Step::motion && owner == Step::non_modal && homes_by_rapid(block)) continue;
+    if (owner) {
+      return refuse(ErrorCode::axis_words_claimed_twice, block.span_of(step),
+                    fmt::format("{} and {} both use the axis words of this line.",
+                                block.code(*owner).name, block.code(step).name),
+                    "Two lines.");
+    }
+    owner = step;
   }
-  if (!has_axes || non_modal_takes || motion_takes) return {};
+  const bool has_axes = (block.words() & kAxisWords) != 0;
+  if (!has_axes || owner) return {};
 
   const Span span = block.span_of(first_letter(block.words() & kAxisWords));
   if (block.has(Step::motion) || modal.motion == kG80) {

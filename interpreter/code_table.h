@@ -50,6 +50,8 @@ enum class Step : std::uint8_t {
   distance_mode,
   arc_distance_mode,
   retract_mode,
+  scaling,
+  rotation,
   non_modal,            ///< G10 G28 G30 G92
   machine_coordinates,  ///< G53, read by the motion that follows
   motion,
@@ -76,6 +78,8 @@ enum class Group : std::uint8_t {
   coolant,
   overrides,
   retract_mode,
+  scaling,
+  rotation,
   word,  ///< F S T and comments: not codes, but executed like them
 };
 

@@ -37,6 +37,12 @@ Accepted set_retract_mode(Execution& x);            // G98 G99
 Accepted set_feed_mode(Execution& x);               // G93 G94
 Accepted use_machine_coordinates(Execution& x);     // G53
 
+// rotation and scaling (rotation.cpp)
+Accepted rotate(Execution& x);           // G68
+Accepted cancel_rotation(Execution& x);  // G69
+Accepted scale(Execution& x);            // G51
+Accepted cancel_scaling(Execution& x);   // G50
+
 // offsets (offsets.cpp)
 Accepted set_coordinate_system(Execution& x);  // G10 L2 L20
 Accepted use_tool_length(Execution& x);        // G43

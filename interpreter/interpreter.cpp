@@ -40,6 +40,9 @@ void Interpreter::set_tool_in_spindle(std::int32_t tool) {
   impl_->runner.state().modal.tool = config::ToolTable::is_valid(tool) ? tool : 0;
 }
 Position Interpreter::total_offset() const { return impl_->runner.state().coordinates.total(); }
+Position Interpreter::to_work(const Position& machine) const {
+  return impl_->runner.state().coordinates.to_work(machine);
+}
 std::uint32_t Interpreter::next_line() const { return impl_->runner.next_line(); }
 std::uint64_t Interpreter::lines_run() const { return impl_->runner.lines_run(); }
 bool Interpreter::ran_off_end() const { return impl_->runner.ran_off_end(); }

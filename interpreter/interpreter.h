@@ -71,8 +71,13 @@ class Interpreter {
   /// The tool that is in the spindle, 0 … 99, when the world knows better (start-up, change by
   /// hand).
   void set_tool_in_spindle(std::int32_t tool);
-  /// Work coordinates = machine coordinates − this (work offset, G92, tool length).
+  /// What is added to rotated and scaled work coordinates: work offset, G92 and tool length.
+  /// Without G68 and G51 work coordinates are machine coordinates − this; to_work() is right
+  /// always.
   [[nodiscard]] Position total_offset() const;
+  /// Work coordinates of a machine position, as a program would write them.
+  [[nodiscard]] Position to_work(const Position& machine) const;
+  [[nodiscard]] Position work_position() const { return to_work(position()); }
   /// The line that next() will read next, from 1.
   [[nodiscard]] std::uint32_t next_line() const;
   /// Lines read since start(), every round of a loop counted.

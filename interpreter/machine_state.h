@@ -6,10 +6,12 @@
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
 #include "interpreter/modal_state.h"
+#include "interpreter/xy_transform.h"
 
 namespace cnc::interp {
 
-/// machine = work + work offset + G92 offset + tool length (manual 3.1.3, 3.4.5, 3.4.12, 3.4.23).
+/// machine = rotated and scaled work + work offset + G92 offset + tool length (manual 3.1.3, 3.4.5,
+/// 3.4.12, 3.4.13, 3.4.18, 3.4.23).
 class WorkCoordinates {
  public:
   [[nodiscard]] const Position& work_offset() const { return work_offset_; }
@@ -17,8 +19,15 @@ class WorkCoordinates {
   [[nodiscard]] const Position& tool_length() const { return tool_length_; }
   [[nodiscard]] const Position& total() const { return total_; }
 
-  [[nodiscard]] Position to_machine(const Position& work) const { return work + total_; }
-  [[nodiscard]] Position to_work(const Position& machine) const { return machine - total_; }
+  [[nodiscard]] Position to_machine(const Position& work) const {
+    return transform_.apply(work) + total_;
+  }
+  [[nodiscard]] Position to_work(const Position& machine) const {
+    return transform_.undo(machine - total_);
+  }
+
+  [[nodiscard]] const XyTransform& transform() const { return transform_; }
+  [[nodiscard]] XyTransform& transform() { return transform_; }
 
   void set_work_offset(const Position& offset);
   void set_g92_offset(const Position& offset);
@@ -31,7 +40,8 @@ class WorkCoordinates {
   Position work_offset_;
   Position g92_offset_;
   Position tool_length_;
-  Position total_;
+  Position total_;  ///< of the three offsets
+  XyTransform transform_;
 };
 
 /// Words of a canned cycle that stay for the lines that follow it (manual 3.4.21): lengths in mm.

@@ -47,6 +47,8 @@ std::string ModalState::active_codes() const {
   add(name_in(kDistances, distance));
   if (arc_distance == DistanceMode::absolute) add("G90.1");
   if (g92_active) add("G92");
+  if (rotated) add("G68");
+  if (scaled) add("G51");
   if (retract == RetractMode::r_position) add("G99");
   add(name_in(kFeedModes, feed_mode));
   add(name_in(kSpindle, spindle));

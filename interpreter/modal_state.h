@@ -36,6 +36,8 @@ struct ModalState {
   std::int32_t length_tool = 0;  ///< H of G43 H
   std::int32_t work_system = 1;  ///< 1 … 9
   bool g92_active = false;
+  bool rotated = false;  ///< G68
+  bool scaled = false;   ///< G51
   SpindleDirection spindle = SpindleDirection::off;
   double speed = 0.0;  ///< rpm
   bool mist = false;

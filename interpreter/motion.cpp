@@ -50,13 +50,24 @@ Accepted check_arc_words(const Execution& x, const CentreWords& centre, const Pl
                 fmt::format("{} or {}, or R.", centre.first, centre.second));
 }
 
+Accepted check_stays_round(const Execution& x) {
+  const MachineState& state = x.state();
+  if (state.coordinates.transform().keeps_arcs(state.modal.plane)) return {};
+  return refuse(ErrorCode::arc_not_round, x.code_span(),
+                fmt::format("{} would not be an arc: G51 or G68 is active.", x.code_name()),
+                "Arcs in the XY plane, scaled alike in X and Y; G50 and G69 otherwise.");
+}
+
 Parsed<PlanePoint> centre_from_words(const Execution& x, const CentreWords& words,
                                      const PlaneAxes& axes, PlanePoint start) {
   const Block& block = x.block();
   const MachineState& state = x.state();
+  Position given;
+  given[axes.first] = block.find(words.first).value_or(0.0) * state.scale();
+  given[axes.second] = block.find(words.second).value_or(0.0) * state.scale();
   if (state.modal.arc_distance == DistanceMode::incremental) {
-    return PlanePoint{start.first + block.find(words.first).value_or(0.0) * state.scale(),
-                      start.second + block.find(words.second).value_or(0.0) * state.scale()};
+    given = state.coordinates.transform().apply_to_distance(given);
+    return PlanePoint{start.first + given[axes.first], start.second + given[axes.second]};
   }
   for (const char letter : {words.first, words.second}) {
     if (block.has(letter)) continue;
@@ -64,9 +75,7 @@ Parsed<PlanePoint> centre_from_words(const Execution& x, const CentreWords& word
         ErrorCode::word_missing, x.code_span(),
         fmt::format("{} needs the word {}: centres are absolute (G90.1).", x.code_name(), letter));
   }
-  const Position& offset = state.coordinates.total();
-  return PlanePoint{block.value(words.first) * state.scale() + offset[axes.first],
-                    block.value(words.second) * state.scale() + offset[axes.second]};
+  return in_plane(state.coordinates.to_machine(given), state.modal.plane);
 }
 
 Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const CentreWords& words,
@@ -74,8 +83,10 @@ Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const C
   const MachineState& state = x.state();
   const LengthUnit unit = state.modal.unit;
   if (x.block().has('R')) {
-    return centre_of_radius(start, end, x.block().value('R') * state.scale(),
-                            x.code() == kClockwiseArc, unit, x.block().span_of('R'));
+    const double radius =
+        x.block().value('R') * state.scale() * state.coordinates.transform().x_factor();
+    return centre_of_radius(start, end, radius, x.code() == kClockwiseArc, unit,
+                            x.block().span_of('R'));
   }
   const auto centre = centre_from_words(x, words, axes, start);
   if (!centre) return centre;
@@ -115,6 +126,7 @@ Accepted arc_move(Execution& x) {
   const PlaneAxes axes = axes_of(plane);
   const CentreWords words = centre_words(plane);
   if (Accepted given = check_arc_words(x, words, axes); !given) return given;
+  if (Accepted round = check_stays_round(x); !round) return round;
   if (Accepted feed = check_feed(x); !feed) return feed;
 
   const Position end = target(x);

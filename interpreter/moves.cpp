@@ -15,28 +15,48 @@ namespace {
   return false;
 }
 
+/// `position` with those axes changed that the line names.
+[[nodiscard]] Position with_axis_words(const Execution& x, Position position) {
+  for (const Axis axis : kAllAxes) {
+    if (x.block().has(axis)) position[axis] = x.block().value(axis) * x.state().scale(axis);
+  }
+  return position;
+}
+
+[[nodiscard]] Position machine_target(const Execution& x) {
+  return with_axis_words(x, x.state().position);
+}
+
+[[nodiscard]] Position incremental_target(const Execution& x) {
+  const MachineState& state = x.state();
+  return state.position + state.coordinates.transform().apply_to_distance(with_axis_words(x, {}));
+}
+
+// Axes that do not move keep their machine coordinate exactly, without a detour through work
+// coordinates and their rounding. Under rotation X and Y move together.
+[[nodiscard]] Position absolute_target(const Execution& x) {
+  const Block& block = x.block();
+  const WorkCoordinates& coordinates = x.state().coordinates;
+  const Position& position = x.state().position;
+  const Position there = coordinates.to_machine(with_axis_words(x, coordinates.to_work(position)));
+  const bool moves_plane =
+      !coordinates.transform().is_identity() && (block.has('X') || block.has('Y'));
+
+  Position end = position;
+  for (const Axis axis : kAllAxes) {
+    const bool in_plane = axis == Axis::X || axis == Axis::Y;
+    if (block.has(axis) || (in_plane && moves_plane)) end[axis] = there[axis];
+  }
+  return end;
+}
+
 }  // namespace
 
 Position target(const Execution& x) {
   const Block& block = x.block();
-  const MachineState& state = x.state();
-  const bool machine = block.has(Step::machine_coordinates);
-  const bool incremental = state.modal.distance == DistanceMode::incremental;
-  const Position& offset = state.coordinates.total();
-
-  Position end = state.position;
-  for (const Axis axis : kAllAxes) {
-    if (!block.has(axis)) continue;
-    const double value = block.value(axis) * state.scale(axis);
-    if (machine) {
-      end[axis] = value;  // also under G91: G53 names a place
-    } else if (incremental) {
-      end[axis] += value;
-    } else {
-      end[axis] = value + offset[axis];
-    }
-  }
-  return end;
+  if (block.has(Step::machine_coordinates)) return machine_target(x);  // also under G91
+  if (x.state().modal.distance == DistanceMode::incremental) return incremental_target(x);
+  return absolute_target(x);
 }
 
 Accepted check_feed(const Execution& x) {

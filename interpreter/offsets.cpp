@@ -23,15 +23,26 @@ Parsed<std::int32_t> whole_word(const Execution& x, char letter, std::int32_t lo
                 fmt::format("{} from {} to {}.", letter, lowest, highest));
 }
 
-/// `offset` with those axes changed that the line names: to the word itself (L2), or so that the
-/// present point gets the coordinate of the word (L20, G92), given what else is `beside` it.
-Position with_words(const Execution& x, Position offset, bool from_position,
-                    const Position& beside) {
-  const MachineState& state = x.state();
+/// `values` with those axes changed that the line names.
+Position with_words(const Execution& x, Position values) {
   for (const Axis axis : kAllAxes) {
-    if (!x.block().has(axis)) continue;
-    const double value = x.block().value(axis) * state.scale(axis);
-    offset[axis] = from_position ? state.position[axis] - beside[axis] - value : value;
+    if (x.block().has(axis)) values[axis] = x.block().value(axis) * x.state().scale(axis);
+  }
+  return values;
+}
+
+/// `offset` changed so that the present point gets the coordinates of the words and keeps the
+/// others, given what else is `beside` it. Under rotation X and Y change together.
+Position offset_from_position(const Execution& x, Position offset, const Position& beside) {
+  const MachineState& state = x.state();
+  const XyTransform& transform = state.coordinates.transform();
+  const Position now = transform.undo(state.position - beside - offset);
+  const Position wanted = transform.apply(with_words(x, now));
+  const bool turns_plane = !transform.is_identity() && (x.block().has('X') || x.block().has('Y'));
+  for (const Axis axis : kAllAxes) {
+    const bool in_plane = axis == Axis::X || axis == Axis::Y;
+    if (!x.block().has(axis) && !(in_plane && turns_plane)) continue;
+    offset[axis] = state.position[axis] - beside[axis] - wanted[axis];
   }
   return offset;
 }
@@ -57,8 +68,9 @@ Accepted set_coordinate_system(Execution& x) {
 
   WorkCoordinates& coordinates = x.state().coordinates;
   const Position beside = coordinates.g92_offset() + coordinates.tool_length();
+  const Position stored = x.parameters().work_offset(*system);
   const Position offset =
-      with_words(x, x.parameters().work_offset(*system), *kind == kSetFromPosition, beside);
+      *kind == kSetFromPosition ? offset_from_position(x, stored, beside) : with_words(x, stored);
   x.set_six(kWorkOffset + (*system - 1) * kWorkSystemStride, offset);
   const bool is_active = *system == x.state().modal.work_system;
   if (is_active) coordinates.set_work_offset(offset);
@@ -102,7 +114,7 @@ Accepted select_work_system(Execution& x) {
 Accepted set_g92_offset(Execution& x) {
   const WorkCoordinates& coordinates = x.state().coordinates;
   const Position beside = coordinates.work_offset() + coordinates.tool_length();
-  const Position offset = with_words(x, coordinates.g92_offset(), true, beside);
+  const Position offset = offset_from_position(x, coordinates.g92_offset(), beside);
   x.set_six(kG92Offset, offset);
   use_g92(x, offset, true);
   return {};
