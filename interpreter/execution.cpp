@@ -65,14 +65,19 @@ void Execution::reload_offsets() {
 
 void Execution::reload_tool_length() {
   const ModalState& modal = state_.modal;
+  if (modal.length_source == LengthSource::words) return;  // in no table
   const bool from_spindle = modal.length_source == LengthSource::spindle_tool;
   const std::int32_t number = from_spindle ? modal.tool : modal.length_tool;
   const bool none = modal.length_source == LengthSource::none;
   const config::Tool& tool = tools_.tool(none ? 0 : number);
+  use_tool_length(tool.x_offset, tool.length);
+}
+
+void Execution::use_tool_length(double x, double z) {
   const Position& now = state_.coordinates.tool_length();
-  if (now[Axis::X] == tool.x_offset && now[Axis::Z] == tool.length) return;
-  state_.coordinates.set_tool_length(tool.x_offset, tool.length);
-  emit(UseToolLength{tool.length, tool.x_offset});
+  if (now[Axis::X] == x && now[Axis::Z] == z) return;
+  state_.coordinates.set_tool_length(x, z);
+  emit(UseToolLength{z, x});
 }
 
 }  // namespace cnc::interp

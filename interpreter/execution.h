@@ -61,6 +61,8 @@ class Execution {
   void reload_offsets();
   /// Looks up the tool length in force again; emits it when it has changed.
   void reload_tool_length();
+  /// Along X and Z, mm; emits it when it has changed.
+  void use_tool_length(double x, double z);
 
  private:
   struct ParameterWrite {

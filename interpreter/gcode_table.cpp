@@ -27,6 +27,7 @@ constexpr auto kCodes = std::to_array<Code>({
     {"G30",  300, Group::non_modal, Step::non_modal, optional, kNoWords,     kNoWords,   go_home,       "rapid to park position 2"},
     {"G40",  400, Group::cutter_compensation, Step::cutter_compensation, none, kNoWords, kNoWords, cancel_cutter_compensation, "cutter compensation off"},
     {"G43",  430, Group::tool_length, Step::tool_length, none, words("H"),   kNoWords,   use_tool_length, "tool length of the spindle's tool, or of tool H"},
+    {"G43.1", 431, Group::tool_length, Step::tool_length, none, words("IK"), kNoWords,   use_length_words, "tool length of the words: I along X, K along Z"},
     {"G49",  490, Group::tool_length, Step::tool_length, none, kNoWords,     kNoWords,   cancel_tool_length, "no tool length"},
     {"G50",  500, Group::scaling,   Step::scaling,   none,     kNoWords,     kNoWords,   cancel_scaling, "scaling off"},
     {"G51",  510, Group::scaling,   Step::scaling,   optional, words("PIJ"), kNoWords,   scale,         "scaling of X and Y by P, or by X and by Y, about I J"},

@@ -46,6 +46,7 @@ Accepted cancel_scaling(Execution& x);   // G50
 // offsets (offsets.cpp)
 Accepted set_coordinate_system(Execution& x);  // G10 L2 L20
 Accepted use_tool_length(Execution& x);        // G43
+Accepted use_length_words(Execution& x);       // G43.1
 Accepted cancel_tool_length(Execution& x);     // G49
 Accepted select_work_system(Execution& x);     // G54 … G59.3
 Accepted set_g92_offset(Execution& x);         // G92

@@ -20,7 +20,7 @@ constexpr std::array<std::string_view, 2> kUnits{"G21", "G20"};
 constexpr std::array<std::string_view, 2> kDistances{"G90", "G91"};
 constexpr std::array<std::string_view, 3> kFeedModes{"G94", "G93", "G95"};
 constexpr std::array<std::string_view, 3> kPathModes{"G61", "G61.1", "G64"};
-constexpr std::array<std::string_view, 3> kLengths{"G49", "G43", "G43 H"};
+constexpr std::array<std::string_view, 4> kLengths{"G49", "G43", "G43 H", "G43.1"};
 constexpr std::array<std::string_view, 9> kSystems{"G54", "G55",   "G56",   "G57",  "G58",
                                                    "G59", "G59.1", "G59.2", "G59.3"};
 constexpr std::array<std::string_view, 3> kSpindle{"M5", "M3", "M4"};

@@ -12,8 +12,8 @@ namespace cnc::interp {
 enum class DistanceMode : std::uint8_t { absolute, incremental };  ///< G90 G91; G90.1 G91.1
 /// How far canned cycles retract: G98 to where they began, if that is above R; G99 to R.
 enum class RetractMode : std::uint8_t { old_position, r_position };
-/// Where the tool length comes from: G49; G43, follows M6; G43 H, stays.
-enum class LengthSource : std::uint8_t { none, spindle_tool, table };
+/// Where the tool length comes from: G49; G43, follows M6; G43 H and G43.1, stay.
+enum class LengthSource : std::uint8_t { none, spindle_tool, table, words };
 
 inline constexpr double kMillimetresPerInch = 25.4;
 [[nodiscard]] constexpr double millimetres_per(LengthUnit unit) {

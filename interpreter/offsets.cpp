@@ -1,4 +1,4 @@
-// G10, G43 G49, G54-G59.3, G92 family: where work coordinates lie in the machine.
+// G10, G43 G43.1 G49, G54-G59.3, G92 family: where work coordinates lie in the machine.
 #include <fmt/format.h>
 
 #include "interpreter/execution.h"
@@ -89,6 +89,19 @@ Accepted use_tool_length(Execution& x) {
     modal.length_tool = *tool;
   }
   x.reload_tool_length();
+  return {};
+}
+
+// A missing word is a length of 0: what is not written does not stay from an earlier tool.
+Accepted use_length_words(Execution& x) {
+  const Block& block = x.block();
+  if (!block.has('I') && !block.has('K')) {
+    return refuse(ErrorCode::word_missing, x.code_span(), "G43.1 has no length.",
+                  "K along Z, I along X.");
+  }
+  const double scale = x.state().scale();
+  x.state().modal.length_source = LengthSource::words;
+  x.use_tool_length(block.find('I').value_or(0.0) * scale, block.find('K').value_or(0.0) * scale);
   return {};
 }
 

@@ -166,3 +166,32 @@ TEST_CASE("Offset codes with wrong words are refused", "[CRD-1][GCO-5]") {
   INFO(row.text);
   CHECK(refusal_of(row.text) == row.expected);
 }
+
+TEST_CASE("G43.1 takes the tool length from its words", "[GCO-5]") {
+  Bench bench;
+  REQUIRE(bench.tools.set(3, {.length = 99, .description = {}}));
+  const Outcome outcome = bench.run("G43.1 I2 K30\nG0 X1 Z1\n");
+  REQUIRE_FALSE(outcome.failed);
+  CHECK(outcome.lines[0] == "USE_TOOL_LENGTH_OFFSET(30.000000, 2.000000)");
+  CHECK(outcome.position == at(3, 0, 31));
+  CHECK(outcome.modal.active_codes().find(" G43.1 ") != std::string::npos);
+  // "The tool-length compensation will not adapt to the new tool after M6": 30 stays.
+  CHECK(bench.run("G43.1 K30\nT3 M6\nG0 Z1\n").position == at(0, 0, 31));
+  CHECK(bench.run("G20 G43.1 K1\nG0 Z1\n").position == at(0, 0, 50.8));
+  CHECK(bench.run("G43.1 I2 K30\nG43.1 K5\nG0 X1 Z1\n").position == at(1, 0, 6));
+  CHECK(bench.run("G43.1 K30\nG49\nG0 Z1\n").position == at(0, 0, 1));
+  CHECK(bench.run("G43.1 K30\nG43 H3\nG0 Z1\n").position == at(0, 0, 100));
+  CHECK(refusal_of("G43.1") == "word_missing@1");
+  CHECK(refusal_of("G43.1 H1 K1") == "word_unused@7");
+}
+
+TEST_CASE("A length of G43.1 stays over the start of the next program", "[GCO-5]") {
+  Bench bench;
+  Interpreter interpreter(bench.settings, bench.parameters, bench.tools);
+  for (const char* text : {"G43.1 K30\n", "G0 Z1\n"}) {
+    interpreter.start(Program::from_text(text, "line").value(), {});
+    while (interpreter.next() != Progress::ended) {
+    }
+  }
+  CHECK(interpreter.position() == at(0, 0, 31));
+}
