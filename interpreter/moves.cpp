@@ -33,20 +33,21 @@ namespace {
 }
 
 // Axes that do not move keep their machine coordinate exactly, without a detour through work
-// coordinates and their rounding. Under rotation X and Y move together.
+// coordinates and their rounding.
 [[nodiscard]] Position absolute_target(const Execution& x) {
   const Block& block = x.block();
-  const WorkCoordinates& coordinates = x.state().coordinates;
-  const Position& position = x.state().position;
-  const Position there = coordinates.to_machine(with_axis_words(x, coordinates.to_work(position)));
-  const bool moves_plane =
-      !coordinates.transform().is_identity() && (block.has('X') || block.has('Y'));
-
-  Position end = position;
+  const MachineState& state = x.state();
+  const Position& offset = state.coordinates.total();
+  Position end = state.position;
   for (const Axis axis : kAllAxes) {
-    const bool in_plane = axis == Axis::X || axis == Axis::Y;
-    if (block.has(axis) || (in_plane && moves_plane)) end[axis] = there[axis];
+    if (block.has(axis)) end[axis] = block.value(axis) * state.scale(axis) + offset[axis];
   }
+  const bool moves_plane = block.has('X') || block.has('Y');
+  if (state.coordinates.transform().is_identity() || !moves_plane) return end;
+  // Under G68 and G51 X and Y move together.
+  const Position there = state.coordinates.to_machine(with_axis_words(x, state.work_position()));
+  end[Axis::X] = there[Axis::X];
+  end[Axis::Y] = there[Axis::Y];
   return end;
 }
 
