@@ -1,9 +1,8 @@
 // Prints a page of the reference that is written from a table:
 //   reference_pages settings > docs/settings.md
 //   reference_pages errors > docs/errors.md
-#include <fmt/format.h>
-
 #include <cstdlib>
+#include <fmt/format.h>
 #include <string_view>
 
 #include "config/error.h"

@@ -1,8 +1,7 @@
-#include <fmt/format.h>
-
 #include <cerrno>
 #include <cstdio>
 #include <cstring>
+#include <fmt/format.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -65,12 +64,9 @@ nlohmann::json json_of(const Position& position) {
 }
 
 void print_json(const CheckOptions& options, const interp::CheckReport& report) {
-  nlohmann::json out{{"file", options.file.string()},
-                     {"good", report.ok()},
-                     {"complete", report.complete},
-                     {"lines", report.line_count},
-                     {"commands", report.commands},
-                     {"errors", nlohmann::json::array()},
+  nlohmann::json out{{"file", options.file.string()},      {"good", report.ok()},
+                     {"complete", report.complete},        {"lines", report.line_count},
+                     {"commands", report.commands},        {"errors", nlohmann::json::array()},
                      {"warnings", nlohmann::json::array()}};
   for (const auto& error : report.errors) out["errors"].push_back(json_of(error));
   for (const auto& warning : report.warnings) out["warnings"].push_back(json_of(warning));

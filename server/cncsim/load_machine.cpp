@@ -1,6 +1,5 @@
-#include <fmt/format.h>
-
 #include <cstdio>
+#include <fmt/format.h>
 
 #include "server/cncsim/options.h"
 #include "server/daemon/shipped_files.h"
@@ -22,8 +21,8 @@ Result<Store> load_or_parse(const std::filesystem::path& path, std::string_view 
 std::expected<MachineData, config::Errors> load_machine(const SimInput& input) {
   config::Errors errors;
   MachineData data;
-  auto config = input.config.empty() ? config::parse_machine_config(shipped_cnc_ini(),
-                                                                    "shipped cnc.ini", input.settings)
+  auto config = input.config.empty() ? config::parse_machine_config(
+                                           shipped_cnc_ini(), "shipped cnc.ini", input.settings)
                                      : config::load_machine_config(input.config, input.settings);
   if (config)
     data.config = std::move(*config);

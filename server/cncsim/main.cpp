@@ -1,7 +1,6 @@
 // cncsim: runs and checks programs on a simulated machine in virtual time.
-#include <spdlog/spdlog.h>
-
 #include <CLI/CLI.hpp>
+#include <spdlog/spdlog.h>
 
 #include "server/cncsim/options.h"
 #include "server/version.h"
@@ -10,9 +9,11 @@ namespace {
 
 void add_common(CLI::App& command, cnc::server::SimInput& input) {
   command.add_option("file", input.file, "G-code program")->required();
-  command.add_option("--config", input.config, "Machine configuration; default: the shipped cnc.ini");
-  command.add_option("--parameters", input.parameters,
-                     "Parameter file with work offsets; default: the shipped one (G54 at 100 100 -90)");
+  command.add_option("--config", input.config,
+                     "Machine configuration; default: the shipped cnc.ini");
+  command.add_option(
+      "--parameters", input.parameters,
+      "Parameter file with work offsets; default: the shipped one (G54 at 100 100 -90)");
   command.add_option("--tools", input.tools, "Tool table; default: the shipped one");
   command.add_option("--set", input.settings,
                      "Overrides a setting: SECTION.key=value; may be repeated");
@@ -28,8 +29,9 @@ int main(int argc, char** argv) {
   CLI::App app{"cncsim: runs and checks G-code programs on a simulated machine, in virtual time."};
   app.set_version_flag("--version", kServerVersion);
   app.require_subcommand(1);
-  app.footer("Exit codes: 0 good; 1 the program has errors or the machine stopped; 2 wrong usage or "
-             "unreadable input.");
+  app.footer(
+      "Exit codes: 0 good; 1 the program has errors or the machine stopped; 2 wrong usage or "
+      "unreadable input.");
 
   RunOptions run_options;
   CLI::App* run = app.add_subcommand(

@@ -1,11 +1,10 @@
 #include "server/cncsim/trajectory.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <cstring>
+#include <fmt/format.h>
 #include <iterator>
 
 namespace cnc::server {
@@ -54,8 +53,8 @@ void TrajectoryStatistics::add(const motion::Setpoint& setpoint) {
     double& velocity = summary_.max_velocity[axis];
     velocity = std::max(velocity, peak_velocity(cubic));
     double& acceleration = summary_.max_acceleration[axis];
-    acceleration = std::max({acceleration, std::abs(cubic.start_acceleration()),
-                             std::abs(cubic.end_acceleration())});
+    acceleration = std::max(
+        {acceleration, std::abs(cubic.start_acceleration()), std::abs(cubic.end_acceleration())});
   }
   position_ = setpoint.position;
   velocity_ = setpoint.velocity;
@@ -82,8 +81,7 @@ void TrajectoryRecorder::add(const motion::Setpoint& setpoint) {
        t = kRowPeriod * static_cast<double>(next_row_)) {
     Position position;
     for (const Axis axis : kAllAxes)
-      position[axis] =
-          motion::cubic_of(axis, position_, velocity_, setpoint).position(t - begin_);
+      position[axis] = motion::cubic_of(axis, position_, velocity_, setpoint).position(t - begin_);
     write_row(t, position, setpoint);
     ++next_row_;
   }
@@ -102,7 +100,8 @@ void TrajectoryRecorder::write_row(double t, const Position& position, const mot
   if (std::fwrite(row.data(), 1, row.size(), file_.get()) != row.size()) failed_ = true;
 }
 
-/// The end lies between two rows: it is shown at the next full millisecond, where the machine stands.
+/// The end lies between two rows: it is shown at the next full millisecond, where the machine
+/// stands.
 Result<void> TrajectoryRecorder::finish() {
   write_row(kRowPeriod * static_cast<double>(next_row_), position_, last_);
   if (std::fflush(file_.get()) != 0 || failed_)

@@ -53,7 +53,7 @@ class TrajectoryRecorder {
   std::unique_ptr<std::FILE, Close> file_;
   Position position_;
   Position velocity_;
-  double begin_ = 0.0;        // of the next setpoint, s
+  double begin_ = 0.0;          // of the next setpoint, s
   std::uint64_t next_row_ = 0;  // in ms
   motion::Setpoint last_;
   bool failed_ = false;

@@ -1,13 +1,12 @@
 #include "server/daemon/data_folder.h"
 
+#include <cerrno>
+#include <cstdlib>
+#include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <sys/file.h>
 #include <unistd.h>
-
-#include <cerrno>
-#include <cstdlib>
-#include <cstring>
 #include <utility>
 
 #include "config/atomic_file.h"
@@ -39,14 +38,13 @@ Result<DataFolder> DataFolder::open(const std::filesystem::path& folder) {
   std::error_code error;
   std::filesystem::create_directories(folder, error);
   if (error)
-    return fail(ErrorCode::file_not_writable,
-                fmt::format("Cannot create the data folder {}: {}.", folder.string(),
-                            error.message()));
+    return fail(ErrorCode::file_not_writable, fmt::format("Cannot create the data folder {}: {}.",
+                                                          folder.string(), error.message()));
   const auto lock_path = folder / "lock";
   const int lock = ::open(lock_path.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0600);
   if (lock < 0)
-    return fail(ErrorCode::file_not_writable, fmt::format("Cannot open {}: {}.", lock_path.string(),
-                                                          std::strerror(errno)));
+    return fail(ErrorCode::file_not_writable,
+                fmt::format("Cannot open {}: {}.", lock_path.string(), std::strerror(errno)));
   DataFolder data(folder, lock);
   if (::flock(lock, LOCK_EX | LOCK_NB) != 0)
     return fail(ErrorCode::already_running,

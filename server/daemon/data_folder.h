@@ -1,7 +1,7 @@
 // The folder that holds a machine's configuration and state: cnc.ini, parameters.txt, tools.txt.
 //
-// A new folder is filled with the shipped files. One server at a time uses a folder: it holds a lock
-// that the system releases when the process ends, however it ends.
+// A new folder is filled with the shipped files. One server at a time uses a folder: it holds a
+// lock that the system releases when the process ends, however it ends.
 #pragma once
 
 #include <expected>

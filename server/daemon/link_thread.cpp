@@ -1,19 +1,19 @@
 #include "server/daemon/link_thread.h"
 
+#include <cerrno>
+#include <cstring>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
 #include <time.h>
-
-#include <cerrno>
-#include <cstring>
 
 #include "server/daemon/task_thread.h"
 
 namespace cnc::server {
 namespace {
 
-constexpr int kPriority = 60;  // above interrupt threads of discs and networks (50), below watchdogs
+constexpr int kPriority =
+    60;  // above interrupt threads of discs and networks (50), below watchdogs
 
 std::chrono::steady_clock::time_point sleep_until(std::chrono::steady_clock::time_point due) {
   const auto since_boot = due.time_since_epoch();

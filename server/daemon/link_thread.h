@@ -15,8 +15,8 @@
 namespace cnc::server {
 
 /// Locks what the process has in memory now, so that no page fault delays the link thread: to be
-/// called when everything that it touches has been made. What comes later is not locked: a mapped job
-/// of gigabytes must not be. Empty when granted, otherwise the reason why not.
+/// called when everything that it touches has been made. What comes later is not locked: a mapped
+/// job of gigabytes must not be. Empty when granted, otherwise the reason why not.
 [[nodiscard]] std::string lock_memory();
 
 class LinkThread {

@@ -1,8 +1,4 @@
 // cncserver: the daemon that owns the machine.
-#include <fmt/format.h>
-#include <spdlog/spdlog.h>
-#include <unistd.h>
-
 #include <CLI/CLI.hpp>
 #include <atomic>
 #include <boost/asio/io_context.hpp>
@@ -10,6 +6,9 @@
 #include <boost/asio/steady_timer.hpp>
 #include <cstdio>
 #include <cstdlib>
+#include <fmt/format.h>
+#include <spdlog/spdlog.h>
+#include <unistd.h>
 
 #include "hal/sim/virtual_controller.h"
 #include "server/daemon/data_folder.h"
@@ -46,9 +45,8 @@ std::string default_socket() {
 /// Only this user's programs may command the machine through the socket.
 void protect_socket(const std::string& path) {
   std::error_code ignored;
-  std::filesystem::permissions(path, std::filesystem::perms::owner_read |
-                                         std::filesystem::perms::owner_write,
-                               ignored);
+  std::filesystem::permissions(
+      path, std::filesystem::perms::owner_read | std::filesystem::perms::owner_write, ignored);
 }
 
 void report(const config::Errors& errors) {
@@ -106,8 +104,15 @@ int serve(const Options& options) {
   LinkThread link_thread(link, epoch, kLinkPeriod);
   const std::string memory_refused = lock_memory();
 
-  rpc::Host host{machine, executor, link, log, fanout, files, options.jobs,
-                 "virtual CPU5 board", link_thread.priority_refused().empty(),
+  rpc::Host host{machine,
+                 executor,
+                 link,
+                 log,
+                 fanout,
+                 files,
+                 options.jobs,
+                 "virtual CPU5 board",
+                 link_thread.priority_refused().empty(),
                  std::chrono::duration<double>(kLinkPeriod).count(),
                  [&virtual_machine](bool pressed) { virtual_machine.press_estop(pressed); }};
   std::vector<std::string> addresses = options.listen;
@@ -117,10 +122,11 @@ int serve(const Options& options) {
   protect_socket(options.socket);
 
   if (!link_thread.priority_refused().empty() || !memory_refused.empty())
-    spdlog::warn("Running without real-time rights (priority: {}; memory: {}); docs/realtime.md "
-                 "says how to grant them.",
-                 link_thread.priority_refused().empty() ? "granted" : link_thread.priority_refused(),
-                 memory_refused.empty() ? "locked" : memory_refused);
+    spdlog::warn(
+        "Running without real-time rights (priority: {}; memory: {}); docs/realtime.md "
+        "says how to grant them.",
+        link_thread.priority_refused().empty() ? "granted" : link_thread.priority_refused(),
+        memory_refused.empty() ? "locked" : memory_refused);
   executor.every(kMachinePeriod, [&] {
     machine.cycle(seconds_since(epoch));
     return true;
@@ -146,13 +152,16 @@ int main(int argc, char** argv) {
   Options options;
   options.socket = default_socket();
 
-  CLI::App app{"cncserver: owns the machine: G-code interpreter, motion planner and the link to the "
-               "controller board.\nClients (cncctl, cncgui, pendants) reach it through its API."};
+  CLI::App app{
+      "cncserver: owns the machine: G-code interpreter, motion planner and the link to the "
+      "controller board.\nClients (cncctl, cncgui, pendants) reach it through its API."};
   app.add_option("--data", options.data, "Folder of the machine's configuration and state")
       ->capture_default_str();
-  app.add_option("--config", options.config, "Configuration file instead of cnc.ini in the data folder")
+  app.add_option("--config", options.config,
+                 "Configuration file instead of cnc.ini in the data folder")
       ->check(CLI::ExistingFile);
-  app.add_option("--set", options.settings, "Overrides a setting: SECTION.key=value; may be repeated");
+  app.add_option("--set", options.settings,
+                 "Overrides a setting: SECTION.key=value; may be repeated");
   app.add_option("--jobs", options.jobs, "Folder in which relative job paths begin")
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();

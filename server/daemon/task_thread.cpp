@@ -23,8 +23,7 @@ namespace {
 
 class Repeating : public std::enable_shared_from_this<Repeating> {
  public:
-  Repeating(asio::io_context& context, std::chrono::microseconds period,
-            std::function<bool()> task)
+  Repeating(asio::io_context& context, std::chrono::microseconds period, std::function<bool()> task)
       : timer_(context), period_(period), task_(std::move(task)) {}
 
   void run() {

@@ -18,8 +18,8 @@ class TaskThread {
 
   /// Any thread. Tasks run in the order in which they were posted.
   void post(std::function<void()> task);
-  /// Any thread. Calls `task` every `period` for as long as it returns true. A late call is not made
-  /// up for: the next is due one period later, or at once.
+  /// Any thread. Calls `task` every `period` for as long as it returns true. A late call is not
+  /// made up for: the next is due one period later, or at once.
   void every(std::chrono::microseconds period, std::function<bool()> task);
 
   void stop();

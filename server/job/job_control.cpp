@@ -1,7 +1,6 @@
 #include "server/job/job_control.h"
 
 #include <fmt/format.h>
-
 #include <utility>
 #include <variant>
 
@@ -73,14 +72,17 @@ JobSignal JobControl::cycle() {
           return finish(JobSignal::failed);
         }
         break;
-      case JobRunner::Next::note: notes_.push_back({feed_.last_id(), runner_.event()}); break;
+      case JobRunner::Next::note:
+        notes_.push_back({feed_.last_id(), runner_.event()});
+        break;
       case JobRunner::Next::action:
         if (!feed_.at_rest()) return JobSignal::none;
         show_due_notes();
         if (const JobSignal signal = perform(runner_.event()); signal != JobSignal::none)
           return signal;
         break;
-      case JobRunner::Next::busy: return JobSignal::none;
+      case JobRunner::Next::busy:
+        return JobSignal::none;
       case JobRunner::Next::held:
         return feed_.at_rest() ? JobSignal::standing : JobSignal::none;
       case JobRunner::Next::ended:
@@ -143,36 +145,36 @@ void JobControl::show_due_notes() {
 }
 
 void JobControl::show(const JobEvent& event) {
-  std::visit(
-      Overloaded{
-          [&](const interp::SetWorkOffset& set) {
-            if (!set.is_active) return;
-            offsets_.system = set.system;
-            offsets_.work = set.offset;
-          },
-          [&](const interp::SetG92Offset& set) { offsets_.g92 = set.offset; },
-          [&](const interp::UseToolLength& use) {
-            offsets_.tool = {};
-            offsets_.tool[Axis::Z] = use.z;
-            offsets_.tool[Axis::X] = use.x;
-          },
-          [&](const interp::SelectTool& select) { selected_tool_ = select.tool; },
-          [&](const interp::SetSpindleSpeed& set) { io_.set_spindle_speed(set.speed); },
-          [&](const interp::SetCoolant& set) { io_.set_coolant(set.mist, set.flood); },
-          [&](const interp::EnableOverrides& enable) {
-            feed_override_enabled_ = enable.feed;
-            speed_override_enabled_ = enable.speed;
-            apply_overrides();
-          },
-          [&](const interp::Message& message) {
-            // The text of errmsg comes again with the error that ends the program.
-            if (message.kind == interp::MessageKind::message) log_.add(Severity::info, event.text);
-            if (message.kind == interp::MessageKind::warning)
-              log_.add(Severity::warning, event.text);
-          },
-          [](const auto&) {},
-      },
-      event.command.body);
+  std::visit(Overloaded{
+                 [&](const interp::SetWorkOffset& set) {
+                   if (!set.is_active) return;
+                   offsets_.system = set.system;
+                   offsets_.work = set.offset;
+                 },
+                 [&](const interp::SetG92Offset& set) { offsets_.g92 = set.offset; },
+                 [&](const interp::UseToolLength& use) {
+                   offsets_.tool = {};
+                   offsets_.tool[Axis::Z] = use.z;
+                   offsets_.tool[Axis::X] = use.x;
+                 },
+                 [&](const interp::SelectTool& select) { selected_tool_ = select.tool; },
+                 [&](const interp::SetSpindleSpeed& set) { io_.set_spindle_speed(set.speed); },
+                 [&](const interp::SetCoolant& set) { io_.set_coolant(set.mist, set.flood); },
+                 [&](const interp::EnableOverrides& enable) {
+                   feed_override_enabled_ = enable.feed;
+                   speed_override_enabled_ = enable.speed;
+                   apply_overrides();
+                 },
+                 [&](const interp::Message& message) {
+                   // The text of errmsg comes again with the error that ends the program.
+                   if (message.kind == interp::MessageKind::message)
+                     log_.add(Severity::info, event.text);
+                   if (message.kind == interp::MessageKind::warning)
+                     log_.add(Severity::warning, event.text);
+                 },
+                 [](const auto&) {},
+             },
+             event.command.body);
 }
 
 void JobControl::set_overrides(const Overrides& overrides) {

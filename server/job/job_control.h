@@ -1,5 +1,5 @@
-// The job (or single line) that runs: pulls the runner, sends setpoints, performs actions, and tells
-// the machine when something happens that changes its state. Executor thread only.
+// The job (or single line) that runs: pulls the runner, sends setpoints, performs actions, and
+// tells the machine when something happens that changes its state. Executor thread only.
 #pragma once
 
 #include <cstdint>

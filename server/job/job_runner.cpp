@@ -21,30 +21,29 @@ struct Overloaded : Visitors... {
 enum class Role { motion, dwell, feed, path_mode, note, action };
 
 Role role_of(const interp::CommandBody& body) {
-  return std::visit(
-      Overloaded{
-          [](const interp::RapidMove&) { return Role::motion; },
-          [](const interp::FeedMove&) { return Role::motion; },
-          [](const interp::ArcMove&) { return Role::motion; },
-          [](const interp::Dwell&) { return Role::dwell; },
-          [](const interp::SetFeedRate&) { return Role::feed; },
-          [](const interp::SetPathMode&) { return Role::path_mode; },
-          [](const interp::SelectPlane&) { return Role::note; },
-          [](const interp::UseLengthUnit&) { return Role::note; },
-          [](const interp::SetWorkOffset&) { return Role::note; },
-          [](const interp::SetG92Offset&) { return Role::note; },
-          [](const interp::UseToolLength&) { return Role::note; },
-          [](const interp::SelectTool&) { return Role::note; },
-          [](const interp::EnableOverrides&) { return Role::note; },
-          [](const interp::Message&) { return Role::note; },
-          [](const interp::SetSpindleSpeed&) { return Role::note; },
-          [](const interp::SetCoolant&) { return Role::note; },
-          [](const interp::TurnSpindle&) { return Role::action; },
-          [](const interp::ChangeTool&) { return Role::action; },
-          [](const interp::ProgramStop&) { return Role::action; },
-          [](const interp::ProgramEnd&) { return Role::action; },
-      },
-      body);
+  return std::visit(Overloaded{
+                        [](const interp::RapidMove&) { return Role::motion; },
+                        [](const interp::FeedMove&) { return Role::motion; },
+                        [](const interp::ArcMove&) { return Role::motion; },
+                        [](const interp::Dwell&) { return Role::dwell; },
+                        [](const interp::SetFeedRate&) { return Role::feed; },
+                        [](const interp::SetPathMode&) { return Role::path_mode; },
+                        [](const interp::SelectPlane&) { return Role::note; },
+                        [](const interp::UseLengthUnit&) { return Role::note; },
+                        [](const interp::SetWorkOffset&) { return Role::note; },
+                        [](const interp::SetG92Offset&) { return Role::note; },
+                        [](const interp::UseToolLength&) { return Role::note; },
+                        [](const interp::SelectTool&) { return Role::note; },
+                        [](const interp::EnableOverrides&) { return Role::note; },
+                        [](const interp::Message&) { return Role::note; },
+                        [](const interp::SetSpindleSpeed&) { return Role::note; },
+                        [](const interp::SetCoolant&) { return Role::note; },
+                        [](const interp::TurnSpindle&) { return Role::action; },
+                        [](const interp::ChangeTool&) { return Role::action; },
+                        [](const interp::ProgramStop&) { return Role::action; },
+                        [](const interp::ProgramEnd&) { return Role::action; },
+                    },
+                    body);
 }
 
 JobEvent event_of(const interp::Command& command) {
@@ -147,13 +146,19 @@ void JobRunner::fill_planner() {
   while (!program_over_ && !pending_action_ && dwell_left_ == 0.0 && !planner_.full()) {
     if (notes_.size() >= kMaxNotes) return;
     switch (interpreter_.next()) {
-      case interp::Progress::command: take(interpreter_.command()); break;
-      case interp::Progress::working: interpreter_busy_ = true; return;
+      case interp::Progress::command:
+        take(interpreter_.command());
+        break;
+      case interp::Progress::working:
+        interpreter_busy_ = true;
+        return;
       case interp::Progress::failed:
         error_ = interpreter_.diagnostic().to_error();
         program_over_ = true;
         break;
-      case interp::Progress::ended: program_over_ = true; break;
+      case interp::Progress::ended:
+        program_over_ = true;
+        break;
     }
   }
 }
@@ -164,11 +169,21 @@ void JobRunner::take(const interp::Command& command) {
       if (auto queued = queue_motion(command); !queued)
         fail_with(std::move(queued.error()), command.source);
       break;
-    case Role::dwell: dwell_left_ = std::get<interp::Dwell>(command.body).duration; break;
-    case Role::feed: feed_ = std::get<interp::SetFeedRate>(command.body); break;
-    case Role::path_mode: path_mode_ = std::get<interp::SetPathMode>(command.body); break;
-    case Role::note: notes_.push_back({last_move_, event_of(command)}); break;
-    case Role::action: pending_action_ = event_of(command); break;
+    case Role::dwell:
+      dwell_left_ = std::get<interp::Dwell>(command.body).duration;
+      break;
+    case Role::feed:
+      feed_ = std::get<interp::SetFeedRate>(command.body);
+      break;
+    case Role::path_mode:
+      path_mode_ = std::get<interp::SetPathMode>(command.body);
+      break;
+    case Role::note:
+      notes_.push_back({last_move_, event_of(command)});
+      break;
+    case Role::action:
+      pending_action_ = event_of(command);
+      break;
   }
 }
 
@@ -182,8 +197,9 @@ Result<void> JobRunner::queue_motion(const interp::Command& command) {
             return queue_line(move.end, options_for(command, motion::MoveKind::feed, move.end));
           },
           [&](const interp::ArcMove& move) -> Result<void> {
-            return queue_arc({move.end, move.plane, move.first_centre, move.second_centre, move.turns},
-                             options_for(command, motion::MoveKind::feed, move.end));
+            return queue_arc(
+                {move.end, move.plane, move.first_centre, move.second_centre, move.turns},
+                options_for(command, motion::MoveKind::feed, move.end));
           },
           [](const auto&) -> Result<void> { return {}; },
       },

@@ -1,10 +1,10 @@
 // From a program to setpoints: the only translator between the interpreter and the planner.
 //
 // A plain object that is pulled, with no thread and no clock. next() says what comes next in the
-// order of execution: a setpoint; an action that has to wait until the machine stands still (spindle
-// on or off, tool change, stop, end); or a note that belongs to that instant but stops nothing (a
-// message, coolant, a new speed or work offset). The real run, the prediction of job time and the simulator use this
-// same object and differ only in what they do with the answers.
+// order of execution: a setpoint; an action that has to wait until the machine stands still
+// (spindle on or off, tool change, stop, end); or a note that belongs to that instant but stops
+// nothing (a message, coolant, a new speed or work offset). The real run, the prediction of job
+// time and the simulator use this same object and differ only in what they do with the answers.
 #pragma once
 
 #include <cstdint>
@@ -91,10 +91,10 @@ class JobRunner {
   std::deque<DueNote> notes_;
   std::optional<JobEvent> pending_action_;  ///< the planner runs empty, then it is handed out
   bool held_ = false;
-  double dwell_left_ = 0.0;                 ///< s; G4, or a spindle that runs up
+  double dwell_left_ = 0.0;  ///< s; G4, or a spindle that runs up
   interp::SpindleDirection spindle_ = interp::SpindleDirection::off;
   bool interpreter_busy_ = false;
-  std::optional<motion::Setpoint> drawn_;   ///< drawn from the planner, a note goes first
+  std::optional<motion::Setpoint> drawn_;  ///< drawn from the planner, a note goes first
   motion::Setpoint setpoint_;
   JobEvent event_;
   std::optional<Error> error_;

@@ -37,13 +37,21 @@ std::optional<Prediction> predict(const PredictionInput& input, std::stop_token 
     constexpr std::uint32_t kLookUpEvery = 256;
     if (count % kLookUpEvery == 0 && stop.stop_requested()) return std::nullopt;
     switch (runner.next()) {
-      case JobRunner::Next::setpoint: prediction.add(runner.setpoint()); break;
-      case JobRunner::Next::action: runner.action_done(); break;
+      case JobRunner::Next::setpoint:
+        prediction.add(runner.setpoint());
+        break;
+      case JobRunner::Next::action:
+        runner.action_done();
+        break;
       case JobRunner::Next::note:
-      case JobRunner::Next::busy: break;
-      case JobRunner::Next::failed: prediction.error = runner.error(); return prediction;
+      case JobRunner::Next::busy:
+        break;
+      case JobRunner::Next::failed:
+        prediction.error = runner.error();
+        return prediction;
       case JobRunner::Next::held:  // nobody holds here
-      case JobRunner::Next::ended: return prediction;
+      case JobRunner::Next::ended:
+        return prediction;
     }
   }
 }

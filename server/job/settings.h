@@ -27,8 +27,7 @@ namespace cnc::server {
   return limits;
 }
 
-[[nodiscard]] inline motion::PlannerSettings planner_settings(
-    const config::MachineConfig& config) {
+[[nodiscard]] inline motion::PlannerSettings planner_settings(const config::MachineConfig& config) {
   return {axis_limits(config), config.trajectory.interpolation_time, config.trajectory.laf_angle};
 }
 

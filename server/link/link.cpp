@@ -21,7 +21,8 @@ void Link::cycle(double now) {
   deliver();
   LinkStatus& status = status_.back();
   status.board = controller_->exchange(now);
-  // A board in fault takes nothing; what was meant for it would be wrong after the fault is cleared.
+  // A board in fault takes nothing; what was meant for it would be wrong after the fault is
+  // cleared.
   if (status.board.faults != 0) drop_queue();
   status.items_done = items_done_;
   if (status.board.moving && status.board.fifo_count > 0) {

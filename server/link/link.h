@@ -44,8 +44,8 @@ struct LinkStatus {
 
 struct LinkStatistics {
   std::atomic<std::uint64_t> cycles{0};
-  TimeHistogram lateness;  ///< start of a cycle after its due time
-  TimeHistogram work;      ///< duration of a cycle
+  TimeHistogram lateness;                             ///< start of a cycle after its due time
+  TimeHistogram work;                                 ///< duration of a cycle
   std::atomic<double> lowest_fifo_time{kNeverMoved};  ///< while moving with more to come
 
   static constexpr double kNeverMoved = 1e9;

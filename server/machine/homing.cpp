@@ -1,9 +1,8 @@
 #include "server/machine/homing.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <utility>
 
 #include "server/job/settings.h"
@@ -77,7 +76,8 @@ bool Homing::at_rest() const { return planner_.standing() && feed_.at_rest(); }
 /// One look at the switch and at the motion: does the next phase begin?
 std::optional<Axis> Homing::advance() {
   switch (phase_) {
-    case Phase::idle: break;
+    case Phase::idle:
+      break;
     case Phase::next_axis:
       if (!at_rest()) break;
       if (axes_.empty()) {
@@ -138,8 +138,7 @@ void Homing::begin_axis() {
 
 void Homing::move(double velocity, double reach) {
   // Refused only for values that the configuration does not let in.
-  static_cast<void>(
-      planner_.move_by(axis(), std::copysign(reach, velocity), std::abs(velocity)));
+  static_cast<void>(planner_.move_by(axis(), std::copysign(reach, velocity), std::abs(velocity)));
 }
 
 void Homing::brake_into(Phase next) {

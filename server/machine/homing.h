@@ -38,12 +38,12 @@ class Homing {
   enum class Phase : std::uint8_t {
     idle,
     next_axis,
-    to_switch,    // towards the switch until it activates
-    at_switch,    // braking behind it
-    arming,       // until the board has the latch armed: what it caught before must not count
-    off_switch,   // back until it releases
-    released,     // braking; then the latch is read
-    stopping,     // ended by stop() or an error
+    to_switch,   // towards the switch until it activates
+    at_switch,   // braking behind it
+    arming,      // until the board has the latch armed: what it caught before must not count
+    off_switch,  // back until it releases
+    released,    // braking; then the latch is read
+    stopping,    // ended by stop() or an error
   };
 
   [[nodiscard]] std::optional<Axis> advance();

@@ -28,17 +28,16 @@ void JogControl::begin(const AxisArray<bool>& homed) {
   planner_.set_position(feed_.commanded());
   for (const Axis axis : kAllAxes) {
     const config::AxisConfig& limits = config_.axes[axis];
-    planner_.set_travel(axis, homed[axis] ? motion::TravelRange{limits.negative_limit,
-                                                                limits.positive_limit}
-                                          : motion::TravelRange{});
+    planner_.set_travel(
+        axis, homed[axis] ? motion::TravelRange{limits.negative_limit, limits.positive_limit}
+                          : motion::TravelRange{});
   }
   feed_.begin_motion(homed);
 }
 
 double JogControl::allowed_rate(double rate, const AxisArray<bool>& homed) const {
-  const bool all_homed = std::ranges::all_of(kAllAxes, [&](Axis axis) {
-    return homed[axis] || !config_.axes[axis].connected();
-  });
+  const bool all_homed = std::ranges::all_of(
+      kAllAxes, [&](Axis axis) { return homed[axis] || !config_.axes[axis].connected(); });
   const double highest = config_.safety.homing_mandatory && !all_homed ? kUnhomedRate : 1.0;
   return std::clamp(rate, -highest, highest);
 }

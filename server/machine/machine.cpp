@@ -1,10 +1,9 @@
 // Commands: what is asked of the machine, and whether it is allowed now.
 #include "server/machine/machine.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <utility>
 
 #include "server/job/settings.h"
@@ -98,9 +97,9 @@ void Machine::home(std::vector<Axis> axes, Completion done) {
   if (axes.empty()) axes = Homing::default_order(data_.config);
   for (const Axis axis : axes)
     if (!data_.config.axes[axis].connected())
-      return done(fail(ErrorCode::axis_not_connected,
-                       fmt::format("Axis {} is not connected; it cannot be homed.",
-                                   axis_name(axis))));
+      return done(
+          fail(ErrorCode::axis_not_connected,
+               fmt::format("Axis {} is not connected; it cannot be homed.", axis_name(axis))));
   for (const Axis axis : axes) homed_[axis] = false;
   wait_for(WaitFor::home, std::move(done));
   homing_.start(std::move(axes));
@@ -136,8 +135,8 @@ void Machine::analyse() {
   findings_.reset();
   analysis_.reset();
   if (program_ && data_.analyse_jobs)
-    analysis_ = std::make_unique<JobAnalysis>(PredictionInput{
-        data_.config, program_, data_.parameters, data_.tools, feed_.commanded()});
+    analysis_ = std::make_unique<JobAnalysis>(
+        PredictionInput{data_.config, program_, data_.parameters, data_.tools, feed_.commanded()});
 }
 
 Result<void> Machine::run() {
@@ -196,9 +195,9 @@ void Machine::jog_stop() { jog_.stop(); }
 
 Result<Overrides> Machine::set_overrides(const Overrides& overrides) {
   constexpr double kHighest = 3.0;
-  for (const auto& checked : {check_factor("feed", overrides.feed, kHighest),
-                              check_factor("rapid", overrides.rapid, 1.0),
-                              check_factor("speed", overrides.speed, kHighest)})
+  for (const auto& checked :
+       {check_factor("feed", overrides.feed, kHighest), check_factor("rapid", overrides.rapid, 1.0),
+        check_factor("speed", overrides.speed, kHighest)})
     if (!checked) return std::unexpected(checked.error());
   job_.set_overrides(overrides);
   return overrides;
@@ -224,7 +223,8 @@ Result<void> Machine::interpret_now(std::string line) {
   for (;;) {
     switch (interpreter_.next()) {
       case interp::Progress::command:
-      case interp::Progress::working: break;
+      case interp::Progress::working:
+        break;
       case interp::Progress::failed: {
         Error error = interpreter_.diagnostic().to_error();
         interpreter_.stop();
@@ -271,14 +271,14 @@ void Machine::begin_stop() {
     case State::tool_change:
       end_job(fail(ErrorCode::command_interrupted, "The job was stopped."));
       break;
-    default: break;
+    default:
+      break;
   }
 }
 
 bool Machine::all_homed() const {
-  return std::ranges::all_of(kAllAxes, [&](Axis axis) {
-    return homed_[axis] || !data_.config.axes[axis].connected();
-  });
+  return std::ranges::all_of(
+      kAllAxes, [&](Axis axis) { return homed_[axis] || !data_.config.axes[axis].connected(); });
 }
 
 State Machine::resting_state() const {

@@ -146,7 +146,7 @@ class Machine {
   AxisArray<bool> homed_{};
   std::vector<Waiter> waiters_;
   std::vector<std::pair<ParameterSaver::Ticket, Completion>> waiting_for_disk_;
-  bool single_line_ = false;      // what job_ executes is an MDI line
+  bool single_line_ = false;  // what job_ executes is an MDI line
   bool reset_wanted_ = false;
   double reset_deadline_ = 0.0;
   bool shutting_down_ = false;
@@ -156,8 +156,8 @@ class Machine {
   std::unique_ptr<JobAnalysis> analysis_;
   std::shared_ptr<const JobFindings> findings_;
   double elapsed_ = 0.0;
-  std::uint64_t move_ = 0;        // of the job, in execution
-  double move_began_ = 0.0;       // elapsed_ then
+  std::uint64_t move_ = 0;   // of the job, in execution
+  double move_began_ = 0.0;  // elapsed_ then
   std::uint64_t line_ = 0;
   std::uint64_t runs_ = 0;
   bool ended_well_ = false;

@@ -1,8 +1,7 @@
 // The machine's cycle: what happens by itself, every few milliseconds.
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
+#include <fmt/format.h>
 #include <utility>
 
 #include "server/machine/machine.h"
@@ -68,8 +67,7 @@ void Machine::watch_board() {
     interpreter_.set_position(feed_.commanded());
     enter(State::needs_reset);
   }
-  if (board.faults != 0 && state_ != State::estop && state_ != State::error)
-    on_fault(board.faults);
+  if (board.faults != 0 && state_ != State::estop && state_ != State::error) on_fault(board.faults);
   // The board may still have been braking its last steps when the fault was seen.
   if ((state_ == State::estop || state_ == State::error) && !board.moving)
     feed_.accept_board_position();
@@ -91,7 +89,8 @@ void Machine::on_fault(hal::Faults faults) {
   enter(error.code == ErrorCode::estop_pressed ? State::estop : State::error);
   const auto interrupted = fail(ErrorCode::command_interrupted, error.message);
   if (had_job && !single_line_) ended_well_ = false;
-  for (const WaitFor what : {WaitFor::home, WaitFor::mdi, WaitFor::pause}) settle(what, interrupted);
+  for (const WaitFor what : {WaitFor::home, WaitFor::mdi, WaitFor::pause})
+    settle(what, interrupted);
   settle(WaitFor::rest, {});
 }
 
@@ -100,9 +99,10 @@ void Machine::lose_position_of_moving_axes() {
   const AxisArray<bool> moving = feed_.axes_in_motion();
   for (const Axis axis : kAllAxes)
     if (moving[axis] && std::exchange(homed_[axis], false))
-      log_.add(Severity::warning,
-               fmt::format("Axis {} was stopped without a ramp: its position may be wrong. Home it.",
-                           axis_name(axis)));
+      log_.add(
+          Severity::warning,
+          fmt::format("Axis {} was stopped without a ramp: its position may be wrong. Home it.",
+                      axis_name(axis)));
 }
 
 void Machine::cycle_job() {
@@ -122,7 +122,8 @@ void Machine::cycle_job() {
 
 void Machine::on_job_signal(JobSignal signal) {
   switch (signal) {
-    case JobSignal::none: break;
+    case JobSignal::none:
+      break;
     case JobSignal::standing:
       if (state_ == State::stopping) {
         end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
@@ -138,7 +139,9 @@ void Machine::on_job_signal(JobSignal signal) {
       enter(signal == JobSignal::tool_change ? State::tool_change : State::program_stop);
       settle(WaitFor::pause, {});
       break;
-    case JobSignal::ended: end_job({}); break;
+    case JobSignal::ended:
+      end_job({});
+      break;
     case JobSignal::failed: {
       const Error error = job_.error();
       log_.add(error);
@@ -223,7 +226,8 @@ void Machine::cycle_reset() {
   if (!reset_wanted_ || !is_motionless()) return;
   const hal::ControllerStatus& board = feed_.board();
   if (reset_deadline_ == 0.0) {
-    // Clearing faults makes the board forget outputs that are on their way: it has to have them all.
+    // Clearing faults makes the board forget outputs that are on their way: it has to have them
+    // all.
     if (!feed_.at_rest()) return;
     reset_deadline_ = now_ + kResetTimeout;
     if (board.inputs.estop) reset_deadline_ = now_;  // no point in waiting for a hand

@@ -44,8 +44,8 @@ void MachineIo::board_is_off() {
   outputs_ = {};
 }
 
-/// S0 leaves the spindle still even after M3 (manual 3.5.2); any other speed is kept within what the
-/// spindle can do.
+/// S0 leaves the spindle still even after M3 (manual 3.5.2); any other speed is kept within what
+/// the spindle can do.
 void MachineIo::apply() {
   hal::Outputs wanted;
   wanted.drives_enabled = drives_;
@@ -53,8 +53,7 @@ void MachineIo::apply() {
   wanted.flood = flood_;
   const double speed = speed_ * override_;
   if (direction_ != SpindleDirection::off && speed > 0.0) {
-    const double real =
-        std::clamp(speed, spindle_config_.min_speed, spindle_config_.max_speed);
+    const double real = std::clamp(speed, spindle_config_.min_speed, spindle_config_.max_speed);
     wanted.spindle_on = true;
     wanted.spindle_clockwise = direction_ == SpindleDirection::clockwise;
     wanted.spindle_pwm = real / spindle_config_.max_speed;

@@ -34,7 +34,7 @@ class MachineIo {
   const config::SpindleConfig& spindle_config_;
   MotionFeed& feed_;
   interp::SpindleDirection direction_ = interp::SpindleDirection::off;
-  double speed_ = 0.0;     // programmed, rpm
+  double speed_ = 0.0;  // programmed, rpm
   double override_ = 1.0;
   bool mist_ = false;
   bool flood_ = false;

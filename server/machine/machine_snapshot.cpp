@@ -18,7 +18,11 @@ MachineSnapshot Machine::take_snapshot() {
   shown.state = state_;
   shown.state_text = state_info(state_).waits;
   shown.machine_position = board.position;
-  shown.work_position = board.position - offsets.total();
+  // Rotation and scaling (G68, G51) are shown as the interpreter has them, which is up to a
+  // look-ahead early; offsets as they are executed.
+  const interp::ModalState& modal = interpreter_.modal();
+  shown.work_position = modal.rotated || modal.scaled ? interpreter_.to_work(board.position)
+                                                      : board.position - offsets.total();
   shown.homed = homed_;
   shown.velocity = executing.velocity;
   const double linear = linear_length(executing.velocity);
@@ -35,7 +39,7 @@ MachineSnapshot Machine::take_snapshot() {
   shown.tool = job_.tool();
   shown.selected_tool = job_.selected_tool();
   shown.work_system = offsets.system;
-  shown.active_codes = interpreter_.modal().active_codes();
+  shown.active_codes = modal.active_codes();
   shown.job = take_job_snapshot();
   shown.estop_input = board.inputs.estop;
   shown.home_switches = board.inputs.home;
@@ -74,8 +78,8 @@ JobSnapshot Machine::take_job_snapshot() {
   return shown;
 }
 
-/// How far the job is on the time line of its prediction: all moves before the one in execution, and
-/// as much of that one as the time since it began.
+/// How far the job is on the time line of its prediction: all moves before the one in execution,
+/// and as much of that one as the time since it began.
 double Machine::predicted_time_done(double rate) const {
   if (line_ == 0) return 0.0;
   const Prediction& prediction = findings_->prediction;

@@ -1,9 +1,8 @@
 #include "server/machine/message_log.h"
 
-#include <spdlog/spdlog.h>
-
 #include <algorithm>
 #include <array>
+#include <spdlog/spdlog.h>
 #include <utility>
 
 namespace cnc::server {

@@ -1,8 +1,7 @@
 #include "server/machine/motion_feed.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 #include <limits>
 
 #include "server/job/settings.h"
@@ -28,7 +27,9 @@ motion::Extents travel_of(const config::MachineConfig& config, const AxisArray<b
 }  // namespace
 
 MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config)
-    : link_(link), config_(config), check_(axis_limits(config), travel_of(config, {}), Position{}) {}
+    : link_(link),
+      config_(config),
+      check_(axis_limits(config), travel_of(config, {}), Position{}) {}
 
 void MotionFeed::update() {
   status_ = link_.status();
@@ -47,14 +48,10 @@ void MotionFeed::begin_motion(const AxisArray<bool>& limited) {
 Result<void> MotionFeed::emit(const motion::Setpoint& setpoint) {
   if (auto checked = check_.check(setpoint); !checked) return checked;
   const Sent& before = sent(last_id_);
-  Sent next{last_id_ + 1,
-            before.end_time + setpoint.duration,
-            setpoint.duration,
-            before.end_velocity,
-            setpoint.velocity,
-            {},
-            setpoint.tag,
-            setpoint.feed_limit};
+  Sent next{last_id_ + 1,      before.end_time + setpoint.duration,
+            setpoint.duration, before.end_velocity,
+            setpoint.velocity, {},
+            setpoint.tag,      setpoint.feed_limit};
   for (const Axis axis : kAllAxes)
     next.moves[axis] = setpoint.position[axis] != commanded_[axis] ||
                        next.start_velocity[axis] != 0.0 || next.end_velocity[axis] != 0.0;

@@ -43,8 +43,8 @@ class MotionFeed {
   /// A quick stop is under way: where the machine will stand is not known yet.
   [[nodiscard]] bool stopping() const { return position_unknown_; }
   [[nodiscard]] Executing executing() const;
-  /// Axes that the board was moving in the segment it executes, or in which it has been stopped. None
-  /// once that stop has been accepted.
+  /// Axes that the board was moving in the segment it executes, or in which it has been stopped.
+  /// None once that stop has been accepted.
   [[nodiscard]] AxisArray<bool> axes_in_motion() const;
   /// Id of the last segment emitted, and whether the board has finished the segment `id`.
   [[nodiscard]] std::uint32_t last_id() const { return last_id_; }

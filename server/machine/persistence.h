@@ -39,10 +39,10 @@ class ParameterSaver {
   MessageLog& log_;
   mutable std::mutex mutex_;  // protects the members below
   std::condition_variable changed_;
-  std::string newest_text_;   // as handed over; empty: must be written in any case
+  std::string newest_text_;  // as handed over; empty: must be written in any case
   Ticket newest_ = 0;
   Ticket done_ = 0;
-  Result<void> result_;       // of done_
+  Result<void> result_;  // of done_
   bool ending_ = false;
   std::thread thread_;
 };

@@ -59,8 +59,8 @@ struct MachineSnapshot {
   std::uint64_t newest_message = 0;
 };
 
-/// Holds the newest snapshot. The lock is held for the copy of a pointer; the real-time thread has no
-/// part in it.
+/// Holds the newest snapshot. The lock is held for the copy of a pointer; the real-time thread has
+/// no part in it.
 class SnapshotBoard {
  public:
   void publish(MachineSnapshot snapshot) {

@@ -1,8 +1,7 @@
 #include "server/machine/state_table.h"
 
-#include <fmt/format.h>
-
 #include <algorithm>
+#include <fmt/format.h>
 #include <initializer_list>
 
 namespace cnc::server {
@@ -54,13 +53,15 @@ constexpr std::array<CommandRule, kCommandCount> kCommands{{
     {CommandKind::set_work_zero, "zero", states({needs_homing, ready})},
 }};
 
-static_assert([] {
-  for (std::size_t i = 0; i < kStateCount; ++i)
-    if (static_cast<std::size_t>(kStates[i].state) != i) return false;
-  for (std::size_t i = 0; i < kCommandCount; ++i)
-    if (static_cast<std::size_t>(kCommands[i].command) != i) return false;
-  return true;
-}(), "rows stand in the order of their enumeration");
+static_assert(
+    [] {
+      for (std::size_t i = 0; i < kStateCount; ++i)
+        if (static_cast<std::size_t>(kStates[i].state) != i) return false;
+      for (std::size_t i = 0; i < kCommandCount; ++i)
+        if (static_cast<std::size_t>(kCommands[i].command) != i) return false;
+      return true;
+    }(),
+    "rows stand in the order of their enumeration");
 
 }  // namespace
 

@@ -20,9 +20,9 @@ enum class State : std::uint8_t {
   ready,
   jogging,
   homing,
-  mdi,           ///< a single line is executed
+  mdi,  ///< a single line is executed
   running,
-  pausing,       ///< slowing down along the path
+  pausing,  ///< slowing down along the path
   paused,
   program_stop,  ///< M0, M1
   tool_change,   ///< M6

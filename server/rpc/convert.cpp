@@ -11,57 +11,90 @@ using rpc::to_proto;
 
 v1::MachineState to_proto(State state) {
   switch (state) {
-    case State::off: return v1::MACHINE_STATE_OFF;
-    case State::needs_reset: return v1::MACHINE_STATE_NEEDS_RESET;
-    case State::needs_homing: return v1::MACHINE_STATE_NEEDS_HOMING;
-    case State::ready: return v1::MACHINE_STATE_READY;
-    case State::jogging: return v1::MACHINE_STATE_JOGGING;
-    case State::homing: return v1::MACHINE_STATE_HOMING;
-    case State::mdi: return v1::MACHINE_STATE_MDI;
-    case State::running: return v1::MACHINE_STATE_RUNNING;
-    case State::pausing: return v1::MACHINE_STATE_PAUSING;
-    case State::paused: return v1::MACHINE_STATE_PAUSED;
-    case State::program_stop: return v1::MACHINE_STATE_PROGRAM_STOP;
-    case State::tool_change: return v1::MACHINE_STATE_TOOL_CHANGE;
-    case State::stopping: return v1::MACHINE_STATE_STOPPING;
-    case State::estop: return v1::MACHINE_STATE_ESTOP;
-    case State::error: return v1::MACHINE_STATE_ERROR;
+    case State::off:
+      return v1::MACHINE_STATE_OFF;
+    case State::needs_reset:
+      return v1::MACHINE_STATE_NEEDS_RESET;
+    case State::needs_homing:
+      return v1::MACHINE_STATE_NEEDS_HOMING;
+    case State::ready:
+      return v1::MACHINE_STATE_READY;
+    case State::jogging:
+      return v1::MACHINE_STATE_JOGGING;
+    case State::homing:
+      return v1::MACHINE_STATE_HOMING;
+    case State::mdi:
+      return v1::MACHINE_STATE_MDI;
+    case State::running:
+      return v1::MACHINE_STATE_RUNNING;
+    case State::pausing:
+      return v1::MACHINE_STATE_PAUSING;
+    case State::paused:
+      return v1::MACHINE_STATE_PAUSED;
+    case State::program_stop:
+      return v1::MACHINE_STATE_PROGRAM_STOP;
+    case State::tool_change:
+      return v1::MACHINE_STATE_TOOL_CHANGE;
+    case State::stopping:
+      return v1::MACHINE_STATE_STOPPING;
+    case State::estop:
+      return v1::MACHINE_STATE_ESTOP;
+    case State::error:
+      return v1::MACHINE_STATE_ERROR;
   }
   return v1::MACHINE_STATE_UNSPECIFIED;
 }
 
 v1::Command to_proto(CommandKind command) {
   switch (command) {
-    case CommandKind::reset: return v1::COMMAND_RESET;
-    case CommandKind::home: return v1::COMMAND_HOME;
-    case CommandKind::jog: return v1::COMMAND_JOG;
-    case CommandKind::mdi: return v1::COMMAND_MDI;
-    case CommandKind::load: return v1::COMMAND_LOAD;
-    case CommandKind::run: return v1::COMMAND_RUN;
-    case CommandKind::pause: return v1::COMMAND_PAUSE;
-    case CommandKind::resume: return v1::COMMAND_RESUME;
-    case CommandKind::stop: return v1::COMMAND_STOP;
-    case CommandKind::rewind: return v1::COMMAND_REWIND;
-    case CommandKind::set_override: return v1::COMMAND_OVERRIDE;
-    case CommandKind::set_work_zero: return v1::COMMAND_SET_WORK_ZERO;
+    case CommandKind::reset:
+      return v1::COMMAND_RESET;
+    case CommandKind::home:
+      return v1::COMMAND_HOME;
+    case CommandKind::jog:
+      return v1::COMMAND_JOG;
+    case CommandKind::mdi:
+      return v1::COMMAND_MDI;
+    case CommandKind::load:
+      return v1::COMMAND_LOAD;
+    case CommandKind::run:
+      return v1::COMMAND_RUN;
+    case CommandKind::pause:
+      return v1::COMMAND_PAUSE;
+    case CommandKind::resume:
+      return v1::COMMAND_RESUME;
+    case CommandKind::stop:
+      return v1::COMMAND_STOP;
+    case CommandKind::rewind:
+      return v1::COMMAND_REWIND;
+    case CommandKind::set_override:
+      return v1::COMMAND_OVERRIDE;
+    case CommandKind::set_work_zero:
+      return v1::COMMAND_SET_WORK_ZERO;
   }
   return v1::COMMAND_UNSPECIFIED;
 }
 
 v1::SpindleDirection to_proto(interp::SpindleDirection direction) {
   switch (direction) {
-    case interp::SpindleDirection::off: return v1::SPINDLE_DIRECTION_OFF;
-    case interp::SpindleDirection::clockwise: return v1::SPINDLE_DIRECTION_CLOCKWISE;
-    case interp::SpindleDirection::counterclockwise: return v1::SPINDLE_DIRECTION_COUNTERCLOCKWISE;
+    case interp::SpindleDirection::off:
+      return v1::SPINDLE_DIRECTION_OFF;
+    case interp::SpindleDirection::clockwise:
+      return v1::SPINDLE_DIRECTION_CLOCKWISE;
+    case interp::SpindleDirection::counterclockwise:
+      return v1::SPINDLE_DIRECTION_COUNTERCLOCKWISE;
   }
   return v1::SPINDLE_DIRECTION_UNSPECIFIED;
 }
 
 v1::Severity to_proto(Severity severity) {
   switch (severity) {
-    case Severity::info: return v1::SEVERITY_INFO;
-    case Severity::warning: return v1::SEVERITY_WARNING;
-    case Severity::error: return v1::SEVERITY_ERROR;
+    case Severity::info:
+      return v1::SEVERITY_INFO;
+    case Severity::warning:
+      return v1::SEVERITY_WARNING;
+    case Severity::error:
+      return v1::SEVERITY_ERROR;
   }
   return v1::SEVERITY_UNSPECIFIED;
 }
@@ -92,12 +125,18 @@ void add_axes(const AxisArray<bool>& flags, google::protobuf::RepeatedField<int>
 /// 5xxx is the machine's state; everything else was wrong in what was asked for.
 grpc::StatusCode status_code(ErrorCode code) {
   switch (code) {
-    case ErrorCode::command_not_allowed: return grpc::StatusCode::FAILED_PRECONDITION;
-    case ErrorCode::file_not_found: return grpc::StatusCode::NOT_FOUND;
-    case ErrorCode::command_interrupted: return grpc::StatusCode::ABORTED;
-    case ErrorCode::value_out_of_range: return grpc::StatusCode::INVALID_ARGUMENT;
-    case ErrorCode::internal_error: return grpc::StatusCode::INTERNAL;
-    default: return grpc::StatusCode::ABORTED;
+    case ErrorCode::command_not_allowed:
+      return grpc::StatusCode::FAILED_PRECONDITION;
+    case ErrorCode::file_not_found:
+      return grpc::StatusCode::NOT_FOUND;
+    case ErrorCode::command_interrupted:
+      return grpc::StatusCode::ABORTED;
+    case ErrorCode::value_out_of_range:
+      return grpc::StatusCode::INVALID_ARGUMENT;
+    case ErrorCode::internal_error:
+      return grpc::StatusCode::INTERNAL;
+    default:
+      return grpc::StatusCode::ABORTED;
   }
 }
 

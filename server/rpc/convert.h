@@ -2,7 +2,6 @@
 #pragma once
 
 #include <grpcpp/support/status.h>
-
 #include <optional>
 
 #include "cnc/v1/common.pb.h"

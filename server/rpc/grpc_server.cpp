@@ -1,18 +1,17 @@
 #include "server/rpc/grpc_server.h"
 
+#include <chrono>
 #include <fmt/format.h>
 #include <grpcpp/ext/proto_server_reflection_plugin.h>
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/health_check_service_interface.h>
 
-#include <chrono>
-
 namespace cnc::server::rpc {
 
 namespace {
 
-/// A client that has vanished without a word (cable, power) is noticed by unanswered pings: its calls
-/// are cancelled, and with them the motion that it asked for. Clients may ping, too.
+/// A client that has vanished without a word (cable, power) is noticed by unanswered pings: its
+/// calls are cancelled, and with them the motion that it asked for. Clients may ping, too.
 void keep_alive(grpc::ServerBuilder& builder) {
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIME_MS, 2000);
   builder.AddChannelArgument(GRPC_ARG_KEEPALIVE_TIMEOUT_MS, 2000);
@@ -25,9 +24,9 @@ void keep_alive(grpc::ServerBuilder& builder) {
 
 std::vector<std::unique_ptr<grpc::Service>> make_services(Host& host) {
   std::vector<std::unique_ptr<grpc::Service>> services;
-  for (auto* make : {make_system_service, make_status_service, make_motion_service,
-                     make_homing_service, make_jog_service, make_job_service, make_mdi_service,
-                     make_messages_service})
+  for (auto* make :
+       {make_system_service, make_status_service, make_motion_service, make_homing_service,
+        make_jog_service, make_job_service, make_mdi_service, make_messages_service})
     services.push_back(make(host));
   return services;
 }
@@ -54,9 +53,9 @@ Result<std::unique_ptr<GrpcServer>> GrpcServer::start(Host& host,
 
   for (std::size_t i = 0; i < addresses.size(); ++i)
     if (!server->server_ || server->ports_[i] == 0)
-      return fail(ErrorCode::address_not_available,
-                  fmt::format("Cannot listen on {}: is another server running there?",
-                              addresses[i]));
+      return fail(
+          ErrorCode::address_not_available,
+          fmt::format("Cannot listen on {}: is another server running there?", addresses[i]));
   return server;
 }
 

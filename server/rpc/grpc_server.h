@@ -3,7 +3,6 @@
 
 #include <grpcpp/grpcpp.h>
 #include <grpcpp/impl/service_type.h>
-
 #include <memory>
 #include <string>
 #include <vector>

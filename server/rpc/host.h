@@ -4,11 +4,10 @@
 // executor and finishes the call from there, so that the machine has one owner.
 #pragma once
 
-#include <grpcpp/grpcpp.h>
-#include <grpcpp/impl/service_type.h>
-
 #include <filesystem>
 #include <functional>
+#include <grpcpp/grpcpp.h>
+#include <grpcpp/impl/service_type.h>
 #include <memory>
 #include <optional>
 #include <string>
@@ -24,15 +23,15 @@ namespace cnc::server::rpc {
 struct Host {
   Machine& machine;  // executor thread only
   TaskThread& executor;
-  Link& link;        // statistics() only
+  Link& link;  // statistics() only
   MessageLog& log;
-  TaskThread& fanout;   ///< streams look for something new here
-  TaskThread& files;    ///< opens and indexes job files
+  TaskThread& fanout;                ///< streams look for something new here
+  TaskThread& files;                 ///< opens and indexes job files
   std::filesystem::path job_folder;  ///< relative job paths start here
   std::string controller_name;
   bool real_time = false;
-  double link_period = 0.0;                     ///< s
-  std::function<void(bool)> simulate_estop;     ///< any thread; empty on a real board
+  double link_period = 0.0;                  ///< s
+  std::function<void(bool)> simulate_estop;  ///< any thread; empty on a real board
 };
 
 /// A unary call that the executor answers. gRPC deletes nothing: the object ends itself in OnDone.

@@ -39,9 +39,8 @@ class JobService final : public v1::Job::CallbackService {
 
   grpc::ServerUnaryReactor* Pause(grpc::CallbackServerContext*, const v1::PauseRequest*,
                                   v1::PauseResponse*) override {
-    return when_completed(host_, [](Machine& machine, Completion done) {
-      machine.pause(std::move(done));
-    });
+    return when_completed(
+        host_, [](Machine& machine, Completion done) { machine.pause(std::move(done)); });
   }
 
   grpc::ServerUnaryReactor* Resume(grpc::CallbackServerContext*, const v1::ResumeRequest*,
@@ -51,9 +50,8 @@ class JobService final : public v1::Job::CallbackService {
 
   grpc::ServerUnaryReactor* Stop(grpc::CallbackServerContext*, const v1::StopRequest*,
                                  v1::StopResponse*) override {
-    return when_completed(host_, [](Machine& machine, Completion done) {
-      machine.stop(std::move(done));
-    });
+    return when_completed(host_,
+                          [](Machine& machine, Completion done) { machine.stop(std::move(done)); });
   }
 
   grpc::ServerUnaryReactor* Rewind(grpc::CallbackServerContext*, const v1::RewindRequest*,
@@ -64,16 +62,15 @@ class JobService final : public v1::Job::CallbackService {
   grpc::ServerUnaryReactor* ReadLines(grpc::CallbackServerContext*,
                                       const v1::ReadLinesRequest* request,
                                       v1::ReadLinesResponse* response) override {
-    if (request->first() == 0)
-      return answer(invalid_argument("Lines are counted from 1."));
+    if (request->first() == 0) return answer(invalid_argument("Lines are counted from 1."));
     if (request->count() == 0 || request->count() > kMaxLinesPerCall)
       return answer(invalid_argument("1 to 1000 lines can be read in one call."));
     return on_executor(host_, [request, response](Machine& machine) -> Result<void> {
       response->set_first(request->first());
       const auto program = machine.program();
       if (!program) return {};
-      const std::uint64_t last = std::min<std::uint64_t>(
-          program->line_count(), request->first() + request->count() - 1);
+      const std::uint64_t last =
+          std::min<std::uint64_t>(program->line_count(), request->first() + request->count() - 1);
       for (std::uint64_t line = request->first(); line <= last; ++line)
         response->add_lines(valid_utf8(program->line(static_cast<std::uint32_t>(line))));
       return {};

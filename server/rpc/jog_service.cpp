@@ -51,9 +51,8 @@ class JogStream final : public grpc::ServerBidiReactor<v1::JogRequest, v1::JogRe
   void serve() {
     const double asked = request_.lease() > 0.0 ? request_.lease() : kDefaultLease;
     const auto rates = rates_of(request_);
-    const auto done =
-        rates ? host_.machine.jog(*rates, std::clamp(asked, kMinLease, kMaxLease))
-              : Result<void>(std::unexpected(rates.error()));
+    const auto done = rates ? host_.machine.jog(*rates, std::clamp(asked, kMinLease, kMaxLease))
+                            : Result<void>(std::unexpected(rates.error()));
     if (!done) return end(to_status(done.error()));
     owner_.stream = this;
     response_.set_moving(host_.machine.state() == State::jogging);

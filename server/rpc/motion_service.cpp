@@ -10,9 +10,8 @@ class MotionService final : public v1::Motion::CallbackService {
 
   grpc::ServerUnaryReactor* Reset(grpc::CallbackServerContext*, const v1::ResetRequest*,
                                   v1::ResetResponse*) override {
-    return when_completed(host_, [](Machine& machine, Completion done) {
-      machine.reset(std::move(done));
-    });
+    return when_completed(
+        host_, [](Machine& machine, Completion done) { machine.reset(std::move(done)); });
   }
 
   grpc::ServerUnaryReactor* SetOverrides(grpc::CallbackServerContext*,
@@ -74,8 +73,7 @@ class HomingService final : public v1::Homing::CallbackService {
       axes.push_back(*axis);
     }
     return when_completed(
-        host_,
-        [axes](Machine& machine, Completion done) { machine.home(axes, std::move(done)); },
+        host_, [axes](Machine& machine, Completion done) { machine.home(axes, std::move(done)); },
         State::homing);
   }
 

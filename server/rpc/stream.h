@@ -4,10 +4,9 @@
 // costs neither the machine nor another client anything.
 #pragma once
 
-#include <grpcpp/grpcpp.h>
-
 #include <atomic>
 #include <functional>
+#include <grpcpp/grpcpp.h>
 #include <memory>
 #include <utility>
 
@@ -15,16 +14,16 @@
 
 namespace cnc::server::rpc {
 
-/// `fill` is called on the fanout's thread when the client is ready for the next message; it returns
-/// false when there is nothing new.
+/// `fill` is called on the fanout's thread when the client is ready for the next message; it
+/// returns false when there is nothing new.
 template <typename Message>
 class PolledStream final : public grpc::ServerWriteReactor<Message>,
                            public std::enable_shared_from_this<PolledStream<Message>> {
  public:
   using Fill = std::function<bool(Message&)>;
 
-  static grpc::ServerWriteReactor<Message>* start(TaskThread& fanout, std::chrono::microseconds period,
-                                                  Fill fill) {
+  static grpc::ServerWriteReactor<Message>* start(TaskThread& fanout,
+                                                  std::chrono::microseconds period, Fill fill) {
     auto stream = std::make_shared<PolledStream>(std::move(fill));
     stream->self_ = stream;
     fanout.every(period, [stream] { return stream->poll(); });
