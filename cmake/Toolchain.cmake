@@ -17,7 +17,7 @@ set(CNC_WARNINGS -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wsign-conversio
 # clang 16 cannot see libstdc++ 12's <expected>: the header asks for a value of __cpp_concepts that
 # this clang does not announce, though it implements what the header uses.
 if(CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
-  add_compile_options(-D__cpp_concepts=202002L -Wno-builtin-macro-redefined -Wno-macro-redefined)
+  add_compile_options(-U__cpp_concepts -D__cpp_concepts=202002L -Wno-builtin-macro-redefined)
 endif()
 
 # Contraction into fused multiply-adds would make results depend on the processor; simulation has to
