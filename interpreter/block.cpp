@@ -113,7 +113,7 @@ Accepted Block::settle_conflict(const Code& code, Span span) {
 }
 
 const Code& Block::holder_of(Group group) const {
-  std::uint32_t steps = steps_;
+  StepSet steps = steps_;
   while (codes_[static_cast<std::size_t>(std::countr_zero(steps))]->group != group) {
     steps &= steps - 1;  // the group's bit is set, so a code of it is there
   }

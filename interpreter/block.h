@@ -50,7 +50,7 @@ class Block {
   [[nodiscard]] double value(Axis axis) const { return value(axis_name(axis)[0]); }
 
   /// Set of steps as bits, in the order of execution from bit 0 on.
-  [[nodiscard]] std::uint32_t steps() const { return steps_; }
+  [[nodiscard]] StepSet steps() const { return steps_; }
   [[nodiscard]] bool has(Step step) const { return (steps_ & step_bit(step)) != 0; }
   [[nodiscard]] const Code& code(Step step) const { return *codes_[index(step)]; }
   [[nodiscard]] Span span_of(Step step) const { return code_spans_[index(step)]; }
@@ -59,8 +59,8 @@ class Block {
   [[nodiscard]] const Message& comment() const { return comment_; }
   [[nodiscard]] bool empty() const { return steps_ == 0 && words_ == 0 && settings_.empty(); }
 
-  [[nodiscard]] static constexpr std::uint32_t step_bit(Step step) {
-    return std::uint32_t{1} << static_cast<unsigned>(step);
+  [[nodiscard]] static constexpr StepSet step_bit(Step step) {
+    return StepSet{1} << static_cast<unsigned>(step);
   }
 
  private:
@@ -77,7 +77,7 @@ class Block {
   [[nodiscard]] const Code& holder_of(Group group) const;
 
   WordSet words_ = 0;
-  std::uint32_t steps_ = 0;
+  StepSet steps_ = 0;
   std::uint32_t groups_ = 0;
   std::uint8_t m_codes_ = 0;
   std::array<double, kLetters> values_{};

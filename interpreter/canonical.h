@@ -12,10 +12,12 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <variant>
 
 #include "config/axis.h"
 #include "config/plane.h"
+#include "interpreter/machine_commands.h"
 
 namespace cnc::interp {
 
@@ -56,7 +58,19 @@ struct ArcMove {
   Plane plane = Plane::xy;
 };
 
-/// G4: stand still for `duration` seconds.
+/// G38.2: straight at the feed rate towards `end` until the probe trips. Waits for an Answer.
+struct ProbeMove {
+  Position end;
+};
+
+/// G33 G33.1 G74 G76 G84: straight, `pitch` mm of way per turn of the spindle, begun at its index
+/// pulse, so that the next pass meets the thread of the one before.
+struct SyncMove {
+  Position end;
+  double pitch = 0.0;
+};
+
+/// G4: stand still for `duration` seconds; 0 waits until every move before it is done.
 struct Dwell {
   double duration = 0.0;
 };
@@ -108,6 +122,16 @@ struct UseToolLength {
 struct SetSpindleSpeed {
   double speed = 0.0;  ///< rpm
 };
+/// G96: the spindle's speed follows the distance of the tool from the turning axis (work X = 0).
+/// SetSpindleSpeed ends it.
+struct UseSurfaceSpeed {
+  double surface_speed = 0.0;       ///< mm/s at the tool
+  std::optional<double> max_speed;  ///< D, rpm
+};
+/// G87: stop the spindle where its tool fits through the hole, `angle` degrees behind the index.
+struct OrientSpindle {
+  double angle = 0.0;
+};
 struct TurnSpindle {
   SpindleDirection direction = SpindleDirection::off;
 };
@@ -120,7 +144,7 @@ struct SetCoolant {
 struct SelectTool {
   std::int32_t tool = 0;
 };
-/// M6: stop, have the operator or the changer bring `tool`.
+/// M6: stop, have the operator or the changer bring `tool`. Waits for an Answer.
 struct ChangeTool {
   std::int32_t tool = 0;
 };
@@ -133,8 +157,9 @@ struct EnableOverrides {
 // --- flow
 // ------------------------------------------------------------------------------------------
 
-enum class StopKind : std::uint8_t { program_stop, optional_stop };  ///< M0; M1
-/// Wait for the operator's "go on". M1 waits only when the optional stop switch is on.
+enum class StopKind : std::uint8_t { program_stop, optional_stop, pallet_stop };  ///< M0; M1; M60
+/// Wait for the operator's "go on". M1 waits only when the optional stop switch is on. He may have
+/// moved the machine meanwhile, so the program waits for an Answer.
 struct ProgramStop {
   StopKind kind = StopKind::program_stop;
 };
@@ -155,15 +180,29 @@ struct Message {
 };
 
 using CommandBody =
-    std::variant<RapidMove, FeedMove, ArcMove, Dwell, SetFeedRate, SetPathMode, SelectPlane,
-                 UseLengthUnit, SetWorkOffset, SetG92Offset, UseToolLength, SetSpindleSpeed,
-                 TurnSpindle, SetCoolant, SelectTool, ChangeTool, EnableOverrides, ProgramStop,
-                 ProgramEnd, Message>;
+    std::variant<RapidMove, FeedMove, ArcMove, ProbeMove, SyncMove, Dwell, SetFeedRate, SetPathMode,
+                 SelectPlane, UseLengthUnit, SetWorkOffset, SetG92Offset, UseToolLength,
+                 SetSpindleSpeed, UseSurfaceSpeed, OrientSpindle, TurnSpindle, SetCoolant,
+                 SelectTool, ChangeTool, EnableOverrides, ProgramStop, ProgramEnd, Message,
+                 SetOverride, UseOverrideInput, UseHoldInput, SelectHead, StoreHeadOffset,
+                 EnableDrives, SetOutput, SetAnalogOutput, ReadInput, SetSpindleOutput, ClampAxis,
+                 UseTorchHeight, SetTorchHeight, SetTemperature, SetTemperatureLimit, SetFan,
+                 HeatersOff, ScaleAxis, AskOperator, OpenLogFile, StorePosition, SetGuard,
+                 UseHomeSensorsAsEstop, HomeAxis, SetKnife, ChangeHeightMap, Synchronise>;
 
 struct Command {
   CommandBody body;
   SourceLine source;
 };
+
+/// Whether the program cannot go on before the world has answered (answer.h).
+template <typename Body>
+inline constexpr bool kWaitsForAnswer =
+    std::is_same_v<Body, ProbeMove> || std::is_same_v<Body, ChangeTool> ||
+    std::is_same_v<Body, ProgramStop> || std::is_same_v<Body, ReadInput> ||
+    std::is_same_v<Body, AskOperator> || std::is_same_v<Body, HomeAxis> ||
+    std::is_same_v<Body, Synchronise>;
+[[nodiscard]] bool waits_for_answer(const CommandBody& body);
 
 /// The command in NIST names and argument order, six decimals, mm, machine coordinates, without a
 /// line end: "STRAIGHT_FEED(1.000000, 2.000000, …)". docs/canonical.md lists them all.

@@ -78,6 +78,7 @@ class Checker {
           use(interpreter_.command());
           break;
         case Progress::working:
+        case Progress::waiting:
           break;
         case Progress::failed:
           add_error(interpreter_.diagnostic());
@@ -163,10 +164,10 @@ class Checker {
 }  // namespace
 
 CheckReport check(std::shared_ptr<const Program> program, const InterpreterSettings& settings,
-                  config::ParameterStore parameters, const config::ToolTable& tools,
-                  const Position& start, const CheckOptions& options) {
+                  config::ParameterStore parameters, config::ToolTable tools, const Position& start,
+                  const CheckOptions& options) {
   Interpreter interpreter(settings, parameters, tools);
-  interpreter.start(program, start);
+  interpreter.start(program, start, {.mode = RunMode::render});
   return Checker(options, interpreter, program->name()).run(*program);
 }
 

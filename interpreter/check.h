@@ -49,7 +49,7 @@ struct CheckReport {
 /// behind wrong lines, and reports. The real parameters and tools are not touched.
 [[nodiscard]] CheckReport check(std::shared_ptr<const Program> program,
                                 const InterpreterSettings& settings,
-                                config::ParameterStore parameters, const config::ToolTable& tools,
+                                config::ParameterStore parameters, config::ToolTable tools,
                                 const Position& start, const CheckOptions& options = {});
 
 }  // namespace cnc::interp

@@ -92,7 +92,7 @@ Accepted assign_axes(Block& block, const ModalState& modal) {
 /// Every word belongs to a code of the line, and to one only.
 Accepted check_words(const Block& block) {
   WordSet used = kFreeWords;
-  for (std::uint32_t steps = block.steps(); steps != 0; steps &= steps - 1) {
+  for (StepSet steps = block.steps(); steps != 0; steps &= steps - 1) {
     const Step step{static_cast<std::uint8_t>(std::countr_zero(steps))};
     const Code& code = block.code(step);
     if (const WordSet twice = used & code.uses & block.words(); twice != 0) {

@@ -59,6 +59,10 @@ enum class Step : std::uint8_t {
 };
 inline constexpr std::size_t kStepCount = static_cast<std::size_t>(Step::stop) + 1;
 
+/// Steps of a line as bits, bit 0 the first.
+using StepSet = std::uint64_t;
+static_assert(kStepCount <= 64);
+
 /// Modal groups: tables 3-3. Two codes of one group cannot stand on a line.
 enum class Group : std::uint8_t {
   non_modal,

@@ -6,12 +6,14 @@
 
 namespace cnc::interp {
 
-Accepted Execution::run(const Block& block, SourceLine source) {
+Accepted Execution::run(const Block& block, SourceLine source, StepSet steps) {
   block_ = &block;
   source_ = source;
+  waits_ = false;
+  steps_left_ = 0;
   const MachineState before = state_;
   const std::size_t commands_before = commands_.size();
-  if (Accepted done = run_steps(); !done) {
+  if (Accepted done = run_steps(steps); !done) {
     state_ = before;
     commands_.resize(commands_before, Command{ProgramEnd{}, source});
     writes_.clear();
@@ -19,16 +21,20 @@ Accepted Execution::run(const Block& block, SourceLine source) {
     return done;
   }
   if (!writes_.empty()) apply_writes();
-  if (!block.settings().empty()) apply_settings();
+  if (steps_left_ == 0 && !block.settings().empty()) apply_settings();
   return {};
 }
 
-Accepted Execution::run_steps() {
-  for (std::uint32_t steps = block_->steps(); steps != 0; steps &= steps - 1) {
+Accepted Execution::run_steps(StepSet steps) {
+  for (; steps != 0; steps &= steps - 1) {
     const Step step{static_cast<std::uint8_t>(std::countr_zero(steps))};
     code_ = &block_->code(step);
     code_span_ = block_->span_of(step);
     if (Accepted done = code_->handler(*this); !done) return done;
+    if (waits_) {
+      steps_left_ = steps & (steps - 1);
+      return {};
+    }
   }
   return {};
 }
@@ -39,13 +45,16 @@ void Execution::apply_writes() {
 }
 
 void Execution::apply_settings() {
-  const ParameterAccess access(parameters_, tools_, state_);
   bool offsets_changed = false;
   for (const ParameterSetting& setting : block_->settings()) {
-    parameters_.set(setting.number, access.to_store(setting.number, setting.value));
+    set_now(setting.number, setting.value);
     offsets_changed |= ParameterAccess::affects_offsets(setting.number);
   }
   if (offsets_changed) reload_offsets();
+}
+
+void Execution::set_now(std::int32_t number, double value) {
+  ParameterAccess(settings_, parameters_, tools_, state_).set(number, value);
 }
 
 void Execution::set_six(std::int32_t first, const Position& position) {

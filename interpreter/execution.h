@@ -1,7 +1,9 @@
 // Carrying out one checked block: its items in the order of table 3-7, all or nothing.
 //
 // Execution is what a handler sees: the block, the state to change, the tables to read and the
-// queue of commands. A refusal in any item puts state, queue and parameters back.
+// queue of commands. A refusal in any item puts state, queue and parameters back. Behind an item
+// whose command waits for an answer (a stop, a tool change, a probe move) execution pauses: what
+// follows on the line begins where the machine then stands.
 #pragma once
 
 #include <cstdint>
@@ -9,8 +11,10 @@
 
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
+#include "interpreter/answer.h"
 #include "interpreter/block.h"
 #include "interpreter/canonical.h"
+#include "interpreter/interpreter_settings.h"
 #include "interpreter/machine_state.h"
 #include "interpreter/refusal.h"
 
@@ -18,11 +22,15 @@ namespace cnc::interp {
 
 class Execution {
  public:
-  Execution(config::ParameterStore& parameters, const config::ToolTable& tools)
-      : parameters_(parameters), tools_(tools) {}
+  Execution(const InterpreterSettings& settings, config::ParameterStore& parameters,
+            config::ToolTable& tools)
+      : settings_(settings), parameters_(parameters), tools_(tools) {}
 
-  /// Executes `block`, which check_block() has accepted.
-  Accepted run(const Block& block, SourceLine source);
+  /// Executes those `steps` of `block`, which check_block() has accepted. steps_left() tells where
+  /// it has paused; run() with these once the answer is there.
+  Accepted run(const Block& block, SourceLine source, StepSet steps);
+  [[nodiscard]] StepSet steps_left() const { return steps_left_; }
+  void forget_steps() { steps_left_ = 0; }
 
   // --- for the handlers ---
   [[nodiscard]] const Block& block() const { return *block_; }
@@ -34,9 +42,11 @@ class Execution {
   [[nodiscard]] MachineState& state() { return state_; }
   [[nodiscard]] const MachineState& state() const { return state_; }
   [[nodiscard]] const config::ToolTable& tools() const { return tools_; }
+  [[nodiscard]] const InterpreterSettings& settings() const { return settings_; }
 
   template <typename Body>
   void emit(const Body& body) {
+    if constexpr (kWaitsForAnswer<Body>) waits_ = true;
     commands_.emplace_back(CommandBody{body}, source_);
   }
 
@@ -57,6 +67,10 @@ class Execution {
     source_ = source;
     program_ended_ = false;
   }
+  /// What the world says about `command`, the last one of the queue that it has seen.
+  void take(const Answer& answer, const CommandBody& command);
+  /// What it would say if everything went as programmed.
+  [[nodiscard]] Answer expected_answer(const CommandBody& command) const;
   /// Reads work system and offsets from the parameters again; emits what has changed.
   void reload_offsets();
   /// Looks up the tool length in force again; emits it when it has changed.
@@ -70,17 +84,22 @@ class Execution {
     double value;
   };
 
-  Accepted run_steps();
+  Accepted run_steps(StepSet steps);
+  /// Writes a parameter, in the program's unit, or the tool table behind it.
+  void set_now(std::int32_t number, double value);
   void apply_settings();
   void apply_writes();
 
+  const InterpreterSettings& settings_;
   config::ParameterStore& parameters_;
-  const config::ToolTable& tools_;
+  config::ToolTable& tools_;
 
   MachineState state_;
   std::vector<Command> commands_;
   std::vector<ParameterWrite> writes_;
   bool program_ended_ = false;
+  bool waits_ = false;  ///< a command of this run() waits for an answer
+  StepSet steps_left_ = 0;
 
   const Block* block_ = nullptr;
   const Code* code_ = nullptr;

@@ -7,26 +7,28 @@ namespace cnc::interp {
 
 struct Interpreter::Impl {
   Impl(const InterpreterSettings& settings, config::ParameterStore& parameters,
-       const config::ToolTable& tools)
+       config::ToolTable& tools)
       : runner(settings, parameters, tools) {}
 
   Runner runner;
 };
 
 Interpreter::Interpreter(const InterpreterSettings& settings, config::ParameterStore& parameters,
-                         const config::ToolTable& tools)
+                         config::ToolTable& tools)
     : impl_(std::make_unique<Impl>(settings, parameters, tools)) {}
 Interpreter::~Interpreter() = default;
 
 void Interpreter::start(std::shared_ptr<const Program> program, const Position& machine_position,
-                        std::uint32_t line) {
-  impl_->runner.start(std::move(program), machine_position, line);
+                        const StartOptions& options) {
+  impl_->runner.start(std::move(program), machine_position, options);
 }
 
 void Interpreter::stop() { impl_->runner.stop(); }
 void Interpreter::reset() { impl_->runner.reset(); }
 Progress Interpreter::next() { return impl_->runner.next(); }
 const Command& Interpreter::command() const { return impl_->runner.command(); }
+void Interpreter::answer(const Answer& answer) { impl_->runner.answer(answer); }
+Answer Interpreter::expected_answer() const { return impl_->runner.expected_answer(); }
 const Diagnostic& Interpreter::diagnostic() const { return impl_->runner.diagnostic(); }
 bool Interpreter::skip_failed_line() { return impl_->runner.skip_failed_line(); }
 

@@ -9,6 +9,7 @@
 //   for (;;) switch (interpreter.next()) {
 //     case Progress::command: use(interpreter.command()); break;
 //     case Progress::working: break;                       // call again: the line budget ran out
+//     case Progress::waiting: interpreter.answer(...);     // what became of the last command
 //     case Progress::failed:  report(interpreter.diagnostic()); return;
 //     case Progress::ended:   return;
 //   }
@@ -23,6 +24,7 @@
 #include "config/axis.h"
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
+#include "interpreter/answer.h"
 #include "interpreter/canonical.h"
 #include "interpreter/diagnostic.h"
 #include "interpreter/interpreter_settings.h"
@@ -34,21 +36,32 @@ namespace cnc::interp {
 enum class Progress : std::uint8_t {
   command,  ///< command() holds the next command
   working,  ///< nothing yet, call again; lets the caller bound the time of a call
+  waiting,  ///< the last command waits for answer(); only in RunMode::run
   failed,   ///< diagnostic() says why; the program cannot go on, modal state is as before the line
   ended,    ///< after ProgramEnd, or nothing was started
+};
+
+enum class RunMode : std::uint8_t {
+  run,     ///< the world answers what the program has to wait for
+  render,  ///< #5397 = 1; everything goes as programmed: dialogs say OK, probes trip at the end
+};
+
+struct StartOptions {
+  RunMode mode = RunMode::run;
+  std::uint32_t line = 1;  ///< of the program, from 1
 };
 
 class Interpreter {
  public:
   /// `parameters` and `tools` outlive the interpreter and are written and read while it runs.
   Interpreter(const InterpreterSettings& settings, config::ParameterStore& parameters,
-              const config::ToolTable& tools);
+              config::ToolTable& tools);
   ~Interpreter();
 
-  /// Begins `program` at its first line (or at `line`, from 1), the machine standing at
-  /// `machine_position`. Modal state is kept from what ran before.
+  /// Begins `program`, the machine standing at `machine_position`. Modal state is kept from what
+  /// ran before.
   void start(std::shared_ptr<const Program> program, const Position& machine_position,
-             std::uint32_t line = 1);
+             const StartOptions& options = {});
   /// Gives up the running program; modal state is kept.
   void stop();
   /// Modal state as after power-up.
@@ -56,6 +69,10 @@ class Interpreter {
 
   [[nodiscard]] Progress next();
   [[nodiscard]] const Command& command() const;
+  /// While next() says `waiting`: what became of command(). Ignored at any other time.
+  void answer(const Answer& answer);
+  /// The answer to command() if everything goes as programmed.
+  [[nodiscard]] Answer expected_answer() const;
   [[nodiscard]] const Diagnostic& diagnostic() const;
   /// After `failed`, for checking a program only: goes on with the next line as if the wrong one
   /// were not there. False when nothing has failed.

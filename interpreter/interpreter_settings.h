@@ -1,16 +1,36 @@
 // What the interpreter is told once, when it is made.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "interpreter/canonical.h"
 
 namespace cnc::interp {
 
+/// What a program can read of the machine (parameters #5101 … #5150, #5380 … #5396): mm, degrees,
+/// rpm, machine coordinates.
+struct MachineFacts {
+  Position negative_limit;              ///< #5101 …
+  Position positive_limit;              ///< #5111 …
+  Position home_position;               ///< #5121 …
+  Position tool_change_area_low;        ///< #5131 … X Y Z
+  Position tool_change_area_high;       ///< #5141 …
+  std::int32_t kinematics = 1;          ///< #5150; 1 = trivial
+  bool simulation = false;              ///< #5380
+  std::array<Position, 5> head_offset;  ///< by Head; #5391-#5393 of the active one
+  std::array<double, 3> max_speed{};    ///< of the spindles 0 … 2; #5394-#5396
+};
+
 struct InterpreterSettings {
   LengthUnit default_unit = LengthUnit::millimetre;  ///< active until G20/G21 says otherwise
   bool absolute_arc_centres = false;                 ///< I J K are absolute (AbsoluteCenterCoords)
   bool block_delete = false;                         ///< lines that begin with "/" are skipped
+  bool diameter_programming = false;  ///< X words are diameters (turning); arcs' I and R are not
+  bool automatic_tool_change = true;  ///< M6 calls the sub change_tool where there is one
+  bool is_3d_printer = false;         ///< M1 switches heaters off; unknown M codes are ignored
+  bool strict = false;  ///< what the manual does not allow is refused, not tolerated with a warning
+  MachineFacts machine{};
   std::uint32_t lines_per_call = 10'000;  ///< next() returns `working` after that many silent lines
   std::uint32_t max_call_depth = 64;      ///< nested gosubs
 };

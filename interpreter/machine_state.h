@@ -5,6 +5,7 @@
 #include "config/axis.h"
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
+#include "interpreter/answer.h"
 #include "interpreter/modal_state.h"
 #include "interpreter/xy_transform.h"
 
@@ -60,6 +61,7 @@ struct MachineState {
   WorkCoordinates coordinates;
   CycleWords cycle;   ///< as modal.motion last had it, if that is a canned cycle
   Position position;  ///< machine coordinates that the program has reached
+  LiveValues live;    ///< as the last answer gave them
 
   [[nodiscard]] Position work_position() const { return coordinates.to_work(position); }
   /// Program units of an axis to mm or degrees: inches exist for X Y Z only.

@@ -7,6 +7,10 @@
 namespace cnc::interp {
 namespace {
 
+// Values that change while nobody writes them.
+constexpr std::int32_t kFirstLive = 5068;
+constexpr std::int32_t kLastLive = 5070;
+
 /// What a number or range of numbers holds, as far as it is not simply the store's.
 struct Meaning {
   using Reader = double (*)(const MachineState& state, const config::ToolTable& tools,
@@ -36,14 +40,16 @@ constexpr auto kMeanings = std::to_array<Meaning>({
     {5012, 5012, [](State s, Tools t, std::int32_t) { return tool_at(t, s.modal.tool).x_offset; }},
     {5013, 5013, [](State s, Tools, std::int32_t) { return s.coordinates.tool_length()[Axis::Z]; }},
     {5014, 5014, [](State s, Tools, std::int32_t) { return s.coordinates.tool_length()[Axis::X]; }},
+    {5068, 5068, [](State s, Tools, std::int32_t) { return s.live.probe ? 1.0 : 0.0; }},
+    {5069, 5069, [](State s, Tools, std::int32_t) { return s.live.hand_wheel; }},
+    {5070, 5070, [](State s, Tools, std::int32_t) { return s.live.spindle_speed; }},
     {5071, 5076, [](State s, Tools, std::int32_t n) { return s.position[nth_axis(n)]; }},
     {5401, 5499, [](State, Tools t, std::int32_t n) { return tool_at(t, n + 1).length; }},
     {5501, 5599, [](State, Tools t, std::int32_t n) { return tool_at(t, n + 1).diameter; }},
     {5601, 5699, [](State, Tools t, std::int32_t n) { return tool_at(t, n + 1).x_offset; }},
     {5701, 5799,
-     [](State, Tools t, std::int32_t n) {
-       return static_cast<double>(tool_at(t, n + 1).orientation);
-     }},
+     [](State, Tools t,
+        std::int32_t n) { return static_cast<double>(tool_at(t, n + 1).orientation); }},
 });
 
 [[nodiscard]] const Meaning* meaning_of(std::int32_t number) {
@@ -71,14 +77,15 @@ double ParameterAccess::scale_of(std::int32_t number) const {
 }
 
 double ParameterAccess::get_system(std::int32_t number) const {
+  if (number >= kFirstLive && number <= kLastLive && !live_is_fresh_) wants_live_ = true;
   const Meaning* meaning = meaning_of(number);
   const double value =
       meaning ? meaning->read(state_, tools_, number - meaning->first) : store_.get(number);
   return value / scale_of(number);
 }
 
-double ParameterAccess::to_store(std::int32_t number, double value) const {
-  return number < kFirstSystem ? value : value * scale_of(number);
+void ParameterAccess::set(std::int32_t number, double value) {
+  store_.set(number, number < kFirstSystem ? value : value * scale_of(number));
 }
 
 Accepted ParameterAccess::check_writable(std::int32_t number, Span span) {

@@ -6,9 +6,11 @@
 #pragma once
 
 #include <cstdint>
+#include <utility>
 
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
+#include "interpreter/interpreter_settings.h"
 #include "interpreter/machine_state.h"
 #include "interpreter/refusal.h"
 
@@ -16,16 +18,22 @@ namespace cnc::interp {
 
 class ParameterAccess {
  public:
-  ParameterAccess(const config::ParameterStore& store, const config::ToolTable& tools,
-                  const MachineState& state)
-      : store_(store), tools_(tools), state_(state) {}
+  ParameterAccess(const InterpreterSettings& settings, config::ParameterStore& store,
+                  config::ToolTable& tools, const MachineState& state)
+      : settings_(settings), store_(store), tools_(tools), state_(state) {}
 
   /// `number` is valid.
   [[nodiscard]] double get(std::int32_t number) const {
     return number < kFirstSystem ? store_.get(number) : get_system(number);
   }
-  /// A value that the program gives, as the store keeps it.
-  [[nodiscard]] double to_store(std::int32_t number, double value) const;
+  /// Writes a value that the program gives; check_writable() has allowed it.
+  void set(std::int32_t number, double value);
+
+  /// Whether a value was asked for that only the machine knows, since the last call: the program
+  /// has to wait for it and ask again.
+  [[nodiscard]] bool take_wants_live() { return std::exchange(wants_live_, false); }
+  /// Whether live values are up to date, so that asking for them is answered.
+  void set_live(bool fresh) { live_is_fresh_ = fresh; }
 
   /// Refuses what only the machine writes.
   [[nodiscard]] static Accepted check_writable(std::int32_t number, Span span);
@@ -42,9 +50,12 @@ class ParameterAccess {
   [[nodiscard]] double get_system(std::int32_t number) const;
   [[nodiscard]] double scale_of(std::int32_t number) const;
 
-  const config::ParameterStore& store_;
-  const config::ToolTable& tools_;
+  const InterpreterSettings& settings_;
+  config::ParameterStore& store_;
+  config::ToolTable& tools_;
   const MachineState& state_;
+  bool live_is_fresh_ = false;
+  mutable bool wants_live_ = false;
 };
 
 }  // namespace cnc::interp

@@ -38,10 +38,10 @@ namespace {
 }  // namespace
 
 Runner::Runner(const InterpreterSettings& settings, config::ParameterStore& parameters,
-               const config::ToolTable& tools)
+               config::ToolTable& tools)
     : settings_(settings),
-      execution_(parameters, tools),
-      access_(parameters, tools, execution_.state()) {
+      execution_(settings_, parameters, tools),
+      access_(settings_, parameters, tools, execution_.state()) {
   reset();
 }
 
@@ -63,10 +63,12 @@ void Runner::reset() {
 }
 
 void Runner::start(std::shared_ptr<const Program> program, const Position& position,
-                   std::uint32_t line) {
+                   const StartOptions& options) {
   stop();
   program_ = std::move(program);
-  cursor_ = program_->begin_of(line);
+  mode_ = options.mode;
+  access_.set_live(mode_ != RunMode::run);
+  cursor_ = program_->begin_of(options.line);
   line_number_ = cursor_.line;
   execution_.state().position = position;
   execution_.begin({0, line_number_});
@@ -80,7 +82,10 @@ void Runner::stop() {
   calls_.clear();
   cache_.clear();
   execution_.commands().clear();
+  execution_.forget_steps();
   taken_ = 0;
+  waits_ = false;
+  runs_again_ = false;
   fails_after_commands_.reset();
   failed_ = false;
   ran_off_end_ = false;
@@ -91,25 +96,41 @@ bool Runner::skip_failed_line() {
   if (!failed_) return false;
   failed_ = false;
   fails_after_commands_.reset();
+  execution_.forget_steps();
   return true;
 }
 
 Progress Runner::next() {
   std::vector<Command>& commands = execution_.commands();
+  if (waits_) {
+    if (mode_ == RunMode::run) return Progress::waiting;
+    answer(expected_answer());
+  }
   for (std::uint32_t lines = 0;; ++lines) {
-    if (taken_ < commands.size()) {
-      ++taken_;
-      return Progress::command;
-    }
+    if (taken_ < commands.size()) return hand_out();
     if (failed_) return Progress::failed;
     if (fails_after_commands_) return fail(*fails_after_commands_);
     commands.clear();
     taken_ = 0;
     if (!program_ || execution_.program_ended()) return Progress::ended;
     if (lines == settings_.lines_per_call) return Progress::working;
-    if (Accepted done = run_line(); !done) return fail(done.error());
+    const bool in_line = execution_.steps_left() != 0;
+    if (Accepted done = in_line ? run_rest_of_line() : run_line(); !done) return fail(done.error());
   }
 }
+
+Progress Runner::hand_out() {
+  waits_ = waits_for_answer(execution_.commands()[taken_++].body);
+  return Progress::command;
+}
+
+void Runner::answer(const Answer& answer) {
+  if (!std::exchange(waits_, false)) return;
+  execution_.take(answer, command().body);
+  if (std::holds_alternative<Synchronise>(command().body)) access_.set_live(true);
+}
+
+Answer Runner::expected_answer() const { return execution_.expected_answer(command().body); }
 
 const Command& Runner::command() const {
   static const Command kNone{ProgramEnd{}, {}};
@@ -137,7 +158,16 @@ Progress Runner::fail(const Refusal& refusal) {
 // --- one line
 // --------------------------------------------------------------------------------------
 
+Accepted Runner::run_rest_of_line() {
+  return execution_.run(*block_, here(), execution_.steps_left());
+}
+
 Accepted Runner::run_line() {
+  if (std::exchange(runs_again_, false)) {
+    Accepted done = run_parsed(*line_);
+    access_.set_live(mode_ != RunMode::run);
+    return done;
+  }
   if (program_->at_end(cursor_)) {
     end_at_end_of_file();
     return {};
@@ -148,7 +178,15 @@ Accepted Runner::run_line() {
   if (settings_.block_delete && is_skipped()) return {};
   const auto line = parsed_line();
   if (!line) return std::unexpected(line.error());
-  return run_parsed(**line);
+  line_ = *line;
+  return run_parsed(*line_);
+}
+
+/// Asks the world, and has the line run again when it has answered.
+void Runner::ask_for_live_values() {
+  execution_.begin(here());
+  execution_.emit(Synchronise{});
+  runs_again_ = true;
 }
 
 // The end of the file ends a program without resetting modes: a line typed by the operator is a
@@ -202,13 +240,18 @@ Accepted Runner::run_block(const Line& line) {
   // Checking completes the block, so a kept line is copied; the usual line is used where it is.
   if (&line == &scratch_ && line.code.empty()) return check_and_execute(scratch_.block);
   if (Accepted values = evaluate(line, access_, evaluation_); !values) return values;
+  if (access_.take_wants_live()) {
+    ask_for_live_values();
+    return {};
+  }
   return check_and_execute(evaluation_.block);
 }
 
 Accepted Runner::check_and_execute(Block& block) {
   if (block.empty()) return {};
   if (Accepted allowed = check_block(block, execution_.state().modal); !allowed) return allowed;
-  return execution_.run(block, {0, line_number_});
+  block_ = &block;
+  return execution_.run(block, here(), block.steps());
 }
 
 // --- flow
@@ -251,6 +294,10 @@ Accepted Runner::run_flow(const Line& line) {
 
 Accepted Runner::run_condition(const Line& line, const FlowMark* partner) {
   if (Accepted value = evaluate(line, access_, evaluation_); !value) return value;
+  if (access_.take_wants_live()) {
+    ask_for_live_values();
+    return {};
+  }
   if (evaluation_.condition == 0.0) go_behind(*partner);
   return {};
 }
@@ -295,7 +342,11 @@ Accepted Runner::return_from_sub() {
 
 Accepted Runner::show_text(const Line& line) {
   if (Accepted text = evaluate(line, access_, evaluation_); !text) return text;
-  execution_.begin({0, line_number_});
+  if (access_.take_wants_live()) {
+    ask_for_live_values();
+    return {};
+  }
+  execution_.begin(here());
   execution_.emit(Message{line.text_kind, evaluation_.text});
   if (line.text_kind == MessageKind::warning) {
     execution_.emit(ProgramStop{StopKind::program_stop});

@@ -18,9 +18,10 @@ namespace cnc::interp {
 class Runner {
  public:
   Runner(const InterpreterSettings& settings, config::ParameterStore& parameters,
-         const config::ToolTable& tools);
+         config::ToolTable& tools);
 
-  void start(std::shared_ptr<const Program> program, const Position& position, std::uint32_t line);
+  void start(std::shared_ptr<const Program> program, const Position& position,
+             const StartOptions& options);
   void stop();
   void reset();
   bool skip_failed_line();
@@ -28,6 +29,8 @@ class Runner {
 
   [[nodiscard]] Progress next();
   [[nodiscard]] const Command& command() const;
+  void answer(const Answer& answer);
+  [[nodiscard]] Answer expected_answer() const;
   [[nodiscard]] const Diagnostic& diagnostic() const { return diagnostic_; }
   [[nodiscard]] MachineState& state() { return execution_.state(); }
   [[nodiscard]] std::uint32_t next_line() const { return cursor_.line; }
@@ -42,10 +45,14 @@ class Runner {
     std::string_view sub;
   };
 
+  Progress hand_out();
   Accepted run_line();
+  Accepted run_rest_of_line();
+  void ask_for_live_values();
   Accepted run_parsed(const Line& line);
   Accepted run_block(const Line& line);
   Accepted check_and_execute(Block& block);
+  [[nodiscard]] SourceLine here() const { return {0, line_number_}; }
   Accepted run_flow(const Line& line);
   Accepted run_condition(const Line& line, const FlowMark* partner);
   Accepted call_sub(const Line& line);
@@ -71,7 +78,12 @@ class Runner {
   Line scratch_;  ///< a line that runs for the first time
   Evaluation evaluation_;
 
-  std::size_t taken_ = 0;  ///< commands of the queue that were handed out
+  RunMode mode_ = RunMode::run;
+  const Line* line_ = nullptr;  ///< that runs
+  Block* block_ = nullptr;      ///< of it, completed
+  std::size_t taken_ = 0;       ///< commands of the queue that were handed out
+  bool waits_ = false;          ///< the last of them waits for an answer
+  bool runs_again_ = false;     ///< the line runs again, now that live values are known
   std::optional<Refusal> fails_after_commands_;
   bool failed_ = false;
   bool ran_off_end_ = false;

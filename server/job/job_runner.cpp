@@ -1,6 +1,7 @@
 #include "server/job/job_runner.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 #include <utility>
 #include <variant>
 
@@ -18,7 +19,7 @@ struct Overloaded : Visitors... {
 };
 
 /// What a command asks of the runner.
-enum class Role { motion, dwell, feed, path_mode, note, action };
+enum class Role { motion, dwell, feed, path_mode, note, action, unsupported };
 
 Role role_of(const interp::CommandBody& body) {
   return std::visit(Overloaded{
@@ -42,6 +43,7 @@ Role role_of(const interp::CommandBody& body) {
                         [](const interp::ChangeTool&) { return Role::action; },
                         [](const interp::ProgramStop&) { return Role::action; },
                         [](const interp::ProgramEnd&) { return Role::action; },
+                        [](const auto&) { return Role::unsupported; },
                     },
                     body);
 }
@@ -59,11 +61,11 @@ JobRunner::JobRunner(const config::MachineConfig& config, interp::Interpreter& i
     : config_(config), interpreter_(interpreter), planner_(planner) {}
 
 void JobRunner::start(std::shared_ptr<const interp::Program> program, const Position& position,
-                      SpindleDirection spindle) {
+                      SpindleDirection spindle, interp::RunMode mode) {
   abandon();
   planner_.set_position(position);
   program_ = program;
-  interpreter_.start(std::move(program), position);
+  interpreter_.start(std::move(program), position, {.mode = mode});
   running_ = true;
   program_over_ = false;
   last_move_ = 0;
@@ -121,6 +123,7 @@ void JobRunner::action_done() {
   }
   if (std::holds_alternative<interp::ChangeTool>(done)) spindle_ = SpindleDirection::off;
   pending_action_.reset();
+  interpreter_.answer(interpreter_.expected_answer());
 }
 
 void JobRunner::hold() {
@@ -152,6 +155,8 @@ void JobRunner::fill_planner() {
       case interp::Progress::working:
         interpreter_busy_ = true;
         return;
+      case interp::Progress::waiting:
+        return;  // the action is pending
       case interp::Progress::failed:
         error_ = interpreter_.diagnostic().to_error();
         program_over_ = true;
@@ -183,6 +188,12 @@ void JobRunner::take(const interp::Command& command) {
       break;
     case Role::action:
       pending_action_ = event_of(command);
+      break;
+    case Role::unsupported:
+      fail_with(
+          {ErrorCode::not_on_this_machine,
+           fmt::format("This machine cannot execute {}.", interp::text_of(command)), std::nullopt},
+          command.source);
       break;
   }
 }

@@ -43,7 +43,8 @@ class JobRunner {
 
   /// Starts a program; the machine stands at `position`, its spindle turns as `spindle` says.
   void start(std::shared_ptr<const interp::Program> program, const Position& position,
-             interp::SpindleDirection spindle = interp::SpindleDirection::off);
+             interp::SpindleDirection spindle = interp::SpindleDirection::off,
+             interp::RunMode mode = interp::RunMode::run);
 
   [[nodiscard]] Next next();
   [[nodiscard]] const motion::Setpoint& setpoint() const { return setpoint_; }

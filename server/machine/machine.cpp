@@ -224,6 +224,7 @@ Result<void> Machine::interpret_now(std::string line) {
     switch (interpreter_.next()) {
       case interp::Progress::command:
       case interp::Progress::working:
+      case interp::Progress::waiting:
         break;
       case interp::Progress::failed: {
         Error error = interpreter_.diagnostic().to_error();

@@ -115,7 +115,7 @@ double bare_scan(std::string_view text) {
 
 double interpret(const std::shared_ptr<const Program>& program) {
   config::ParameterStore parameters;
-  const config::ToolTable tools;
+  config::ToolTable tools;
   Interpreter interpreter({}, parameters, tools);
   interpreter.start(program, {});
   double sum = 0.0;
@@ -127,6 +127,7 @@ double interpret(const std::shared_ptr<const Program>& program) {
         }
         break;
       case Progress::working:
+      case Progress::waiting:
         break;
       case Progress::failed:
         fmt::print("{}", interpreter.diagnostic().to_string());

@@ -34,7 +34,7 @@ namespace {
 std::size_t allocations_of(const std::string& text, int warm_up) {
   const auto program = Program::from_text(text, "plain").value();
   config::ParameterStore parameters;
-  const config::ToolTable tools;
+  config::ToolTable tools;
   Interpreter interpreter({}, parameters, tools);
   interpreter.start(program, {});
   for (int i = 0; i < warm_up; ++i) REQUIRE(interpreter.next() == Progress::command);

@@ -165,7 +165,7 @@ TEST_CASE("A program starts at any line, and the position comes from the world",
   Interpreter interpreter(bench.settings, bench.parameters, bench.tools);
   Position start;
   start[Axis::A] = 30;
-  interpreter.start(program, start, 2);
+  interpreter.start(program, start, {.line = 2});
   CHECK(interpreter.next_line() == 2);
   REQUIRE(interpreter.next() == Progress::command);
   CHECK(interpreter.command().source == SourceLine{0, 2});

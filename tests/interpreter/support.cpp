@@ -21,6 +21,7 @@ Outcome Bench::run(std::string_view text, std::size_t max_commands) {
   while (outcome.lines.size() < max_commands) {
     const Progress progress = interpreter.next();
     if (progress == Progress::command) outcome.lines.push_back(text_of(interpreter.command()));
+    if (progress == Progress::waiting) interpreter.answer(interpreter.expected_answer());
     if (progress == Progress::failed) {
       outcome.failed = true;
       outcome.diagnostic = interpreter.diagnostic();
