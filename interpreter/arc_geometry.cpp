@@ -48,7 +48,7 @@ Accepted check_centre(PlanePoint start, PlanePoint end, PlanePoint centre, Lengt
 }
 
 Parsed<PlanePoint> centre_of_radius(PlanePoint start, PlanePoint end, double radius, bool clockwise,
-                                    LengthUnit unit, Span span) {
+                                    LengthUnit unit, ShortRadius short_radius, Span span) {
   if (radius == 0.0) {
     return refuse(ErrorCode::arc_radius_zero, span, "R is 0.", "A radius that is not 0.");
   }
@@ -59,7 +59,7 @@ Parsed<PlanePoint> centre_of_radius(PlanePoint start, PlanePoint end, double rad
   }
   const double half_chord = distance(start, end) / 2.0;
   const double size = std::abs(radius);
-  if (half_chord > size + radius_tolerance(unit, size)) {
+  if (short_radius == ShortRadius::refused && half_chord > size + radius_tolerance(unit, size)) {
     return refuse(
         ErrorCode::arc_radius_too_small, span,
         fmt::format("R is {:.6g} mm; the end point is {:.6g} mm away.", size, 2.0 * half_chord),

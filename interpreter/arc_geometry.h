@@ -28,8 +28,12 @@ inline constexpr double kSamePoint = 1e-6;
 [[nodiscard]] Accepted check_centre(PlanePoint start, PlanePoint end, PlanePoint centre,
                                     LengthUnit unit, Span span);
 
+/// What becomes of a radius that does not reach the end point.
+enum class ShortRadius : std::uint8_t { refused, half_circle };
+
 /// The centre of an arc given by its radius: positive up to half a turn, negative more.
 [[nodiscard]] Parsed<PlanePoint> centre_of_radius(PlanePoint start, PlanePoint end, double radius,
-                                                  bool clockwise, LengthUnit unit, Span span);
+                                                  bool clockwise, LengthUnit unit,
+                                                  ShortRadius short_radius, Span span);
 
 }  // namespace cnc::interp

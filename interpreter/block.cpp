@@ -40,6 +40,9 @@ void Block::clear() {
   steps_ = 0;
   groups_ = 0;
   m_codes_ = 0;
+  has_g_code_ = false;
+  habit_ = Habit::none;
+  unknown_m_.reset();
   settings_.clear();
 }
 
@@ -64,28 +67,38 @@ Accepted Block::add_word(char letter, double value, Span span) {
 }
 
 Accepted Block::add_g_code(double value, Span span) {
+  has_g_code_ = true;
   const auto number = whole_number(value * 10.0);
-  const Code* code = number ? find_g_code(*number) : nullptr;
+  const Code* code = number ? dialect_->find_g_code(*number) : nullptr;
   if (code != nullptr) return add_code(*code, span);
+  if (dialect_->ignores_unknown_g) {
+    note(Habit::ignored_code, span);
+    return {};
+  }
   return refuse(ErrorCode::unknown_g_code, span,
                 fmt::format("G{:.10g} is not a code that this interpreter knows.", value),
-                names_of(g_codes()));
+                names_of(dialect_->g_codes));
 }
 
 Accepted Block::add_m_code(double value, Span span) {
   const auto number = whole_number(value);
-  const Code* code = number ? find_m_code(*number) : nullptr;
-  if (code == nullptr) {
-    return refuse(ErrorCode::unknown_m_code, span,
-                  fmt::format("M{:.10g} is not a code that this interpreter knows.", value),
-                  names_of(m_codes()));
-  }
-  if (++m_codes_ > kMaxMCodes) {
+  if (!number || *number < 0 || *number > kMaxMCode) return refuse_m_code(value, span);
+  if (m_codes_ == dialect_->max_m_codes) {
     return refuse(ErrorCode::too_many_m_codes, span,
-                  fmt::format("{} is the fifth M code of this line.", code->name),
-                  "At most four M codes per line.");
+                  fmt::format("M{} is one M code too many on this line.", *number),
+                  fmt::format("At most {} per line.", dialect_->max_m_codes));
   }
-  return add_code(*code, span);
+  m_numbers_[m_codes_++] = *number;
+  m_span_ = span;
+  if (const Code* code = dialect_->find_m_code(*number)) return add_code(*code, span);
+  unknown_m_ = number;
+  return {};
+}
+
+std::unexpected<Refusal> Block::refuse_m_code(double number, Span span) const {
+  return refuse(ErrorCode::unknown_m_code, span,
+                fmt::format("M{:.10g} is not a code that this interpreter knows.", number),
+                names_of(dialect_->m_codes));
 }
 
 Accepted Block::add_code(const Code& code, Span span) {
@@ -103,6 +116,7 @@ Accepted Block::settle_conflict(const Code& code, Span span) {
   constexpr std::int32_t kG80 = 800;
   const Code& there = holder_of(code.group);
   if (code.group == Group::motion && (code.number == kG80) != (there.number == kG80)) {
+    note(Habit::cancel_beside_motion, span);
     if (code.number == kG80) put_code(code, span);
     return {};
   }

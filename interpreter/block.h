@@ -9,12 +9,15 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <string_view>
 #include <vector>
 
 #include "config/axis.h"
 #include "interpreter/canonical.h"
 #include "interpreter/code_table.h"
+#include "interpreter/dialect.h"
+#include "interpreter/habit.h"
 #include "interpreter/refusal.h"
 
 namespace cnc::interp {
@@ -33,8 +36,22 @@ class Block {
   /// Each refuses what cannot stand on the line together with what is already there.
   Accepted add_word(char upper_letter, double value, Span span);
   void add_setting(const ParameterSetting& setting) { settings_.push_back(setting); }
+  /// Remembers the first thing on the line that the manual does not allow.
+  void note(Habit habit, Span span) {
+    if (habit_ == Habit::none) {
+      habit_ = habit;
+      habit_span_ = span;
+    }
+  }
+  [[nodiscard]] Habit habit() const { return habit_; }
+  [[nodiscard]] Span habit_span() const { return habit_span_; }
+  /// The codes that words are looked up in.
+  void set_dialect(const Dialect& dialect) { dialect_ = &dialect; }
+
   /// Only the last comment of a line counts (manual 3.2.5).
   void set_comment(const Message& message);
+
+  [[nodiscard]] std::unexpected<Refusal> refuse_m_code(double number, Span span) const;
 
   /// The code that is executed at its step; replaces what was there. For implied motion.
   void put_code(const Code& code, Span span);
@@ -57,7 +74,19 @@ class Block {
 
   [[nodiscard]] const std::vector<ParameterSetting>& settings() const { return settings_; }
   [[nodiscard]] const Message& comment() const { return comment_; }
-  [[nodiscard]] bool empty() const { return steps_ == 0 && words_ == 0 && settings_.empty(); }
+  /// M1 … M999, those without a code for subs.
+  static constexpr std::int32_t kMaxMCode = 999;
+  /// M numbers in the order of the line; one of them may be unknown.
+  [[nodiscard]] std::span<const std::int32_t> m_numbers() const {
+    return {m_numbers_.data(), m_codes_};
+  }
+  [[nodiscard]] Span m_span() const { return m_span_; }
+  [[nodiscard]] bool has_g_code() const { return has_g_code_; }
+  /// The M number that is no code of the dialect, if any: only a sub can carry it out.
+  [[nodiscard]] std::optional<std::int32_t> unknown_m() const { return unknown_m_; }
+  [[nodiscard]] bool empty() const {
+    return steps_ == 0 && words_ == 0 && settings_.empty() && m_codes_ == 0;
+  }
 
   [[nodiscard]] static constexpr StepSet step_bit(Step step) {
     return StepSet{1} << static_cast<unsigned>(step);
@@ -65,7 +94,7 @@ class Block {
 
  private:
   static constexpr std::size_t kLetters = 26;
-  static constexpr std::uint8_t kMaxMCodes = 4;  // manual 3.2.5
+  static constexpr std::uint8_t kMaxMCodes = 4;  // manual 3.2.5; a dialect may allow fewer
 
   static constexpr std::size_t index(char letter) { return static_cast<std::size_t>(letter - 'A'); }
   static constexpr std::size_t index(Step step) { return static_cast<std::size_t>(step); }
@@ -80,6 +109,13 @@ class Block {
   StepSet steps_ = 0;
   std::uint32_t groups_ = 0;
   std::uint8_t m_codes_ = 0;
+  bool has_g_code_ = false;
+  Habit habit_ = Habit::none;
+  Span habit_span_;
+  Span m_span_;  ///< of the last M
+  std::array<std::int32_t, kMaxMCodes> m_numbers_{};
+  std::optional<std::int32_t> unknown_m_;
+  const Dialect* dialect_ = &dialect(DialectId::eding);
   std::array<double, kLetters> values_{};
   std::array<Span, kLetters> word_spans_{};
   std::array<const Code*, kStepCount> codes_{};

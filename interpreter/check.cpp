@@ -79,6 +79,7 @@ class Checker {
           break;
         case Progress::working:
         case Progress::waiting:
+        case Progress::found:
           break;
         case Progress::failed:
           add_error(interpreter_.diagnostic());
@@ -87,6 +88,7 @@ class Checker {
           break;
         case Progress::ended:
           report_.complete = true;
+          add_warnings();
           if (interpreter_.ran_off_end()) note_missing_end(program);
           return std::move(report_);
       }
@@ -146,6 +148,10 @@ class Checker {
     warning.file = name_;
     warning.line = line;
     report_.warnings.push_back(std::move(warning));
+  }
+
+  void add_warnings() {
+    for (const Diagnostic& warning : interpreter_.warnings()) report_.warnings.push_back(warning);
   }
 
   void note_missing_end(const Program& program) {

@@ -27,14 +27,18 @@ constexpr std::int32_t kG80 = 800;
 }
 
 /// A full circle needs no end point: "G2 I5".
-[[nodiscard]] bool stands_without_axes(const Block& block, const Code& motion) {
-  return (motion.uses & words("IJK") & block.words()) != 0 || only_sets_mode(block, motion);
+[[nodiscard]] bool is_full_circle(const Block& block, const Code& motion) {
+  return (motion.uses & words("IJK") & block.words()) != 0;
 }
 
-Accepted check_axes_of(const Block& block, Step step) {
+Accepted check_axes_of(Block& block, Step step) {
   const Code& code = block.code(step);
   const bool has_axes = (block.words() & kAxisWords) != 0;
-  if (code.axes != AxisUse::required || has_axes || stands_without_axes(block, code)) return {};
+  if (code.axes != AxisUse::required || has_axes || is_full_circle(block, code)) return {};
+  if (only_sets_mode(block, code)) {
+    block.note(Habit::mode_without_axes, block.span_of(step));
+    return {};
+  }
   return refuse(ErrorCode::axis_words_missing, block.span_of(step),
                 fmt::format("{} needs at least one axis word.", code.name), "X Y Z A B C");
 }
@@ -67,7 +71,10 @@ Accepted assign_axes(Block& block, const ModalState& modal) {
   std::optional<Step> owner;
   for (const Step step : {Step::scaling, Step::rotation, Step::non_modal, Step::motion}) {
     if (!block.has(step) || !takes_axes(block.code(step))) continue;
-    if (step == Step::motion && owner == Step::non_modal && homes_by_rapid(block)) continue;
+    if (step == Step::motion && owner == Step::non_modal && homes_by_rapid(block)) {
+      block.note(Habit::home_beside_rapid, block.span_of(step));
+      continue;
+    }
     if (owner) {
       return refuse(ErrorCode::axis_words_claimed_twice, block.span_of(step),
                     fmt::format("{} and {} both use the axis words of this line.",
@@ -90,7 +97,7 @@ Accepted assign_axes(Block& block, const ModalState& modal) {
 }
 
 /// Every word belongs to a code of the line, and to one only.
-Accepted check_words(const Block& block) {
+Accepted check_words(Block& block) {
   WordSet used = kFreeWords;
   for (StepSet steps = block.steps(); steps != 0; steps &= steps - 1) {
     const Step step{static_cast<std::uint8_t>(std::countr_zero(steps))};

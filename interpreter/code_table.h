@@ -55,6 +55,7 @@ enum class Step : std::uint8_t {
   non_modal,            ///< G10 G28 G30 G92
   machine_coordinates,  ///< G53, read by the motion that follows
   motion,
+  after_motion,  ///< M codes of dialects that execute them behind the motion of their line
   stop,
 };
 inline constexpr std::size_t kStepCount = static_cast<std::size_t>(Step::stop) + 1;

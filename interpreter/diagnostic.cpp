@@ -39,8 +39,8 @@ std::string Diagnostic::to_string() const {
   }
   if (!allowed.empty()) fmt::format_to(std::back_inserter(text), "  allowed: {}\n", allowed);
   for (const CallSite& call : call_stack) {
-    fmt::format_to(std::back_inserter(text), "  in sub {}, called from line {}\n", call.sub,
-                   call.line);
+    fmt::format_to(std::back_inserter(text), "  in sub {}, called from {}:{}\n", call.sub,
+                   call.file, call.line);
   }
   return text;
 }

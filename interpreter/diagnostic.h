@@ -15,7 +15,8 @@ enum class Severity : std::uint8_t { error, warning };
 /// A gosub that led to the place of the diagnostic.
 struct CallSite {
   std::string sub;
-  std::uint32_t line = 0;  ///< of the gosub
+  std::string file;        ///< of the gosub
+  std::uint32_t line = 0;  ///< of it
 };
 
 struct Diagnostic {

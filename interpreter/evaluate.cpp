@@ -72,6 +72,9 @@ class Evaluator {
       case OpCode::append_value:
         result_.text += number_text(pop());
         return {};
+      case OpCode::store_argument:
+        result_.arguments[static_cast<std::size_t>(op.argument)].value = pop();
+        return {};
       default:
         break;
     }
@@ -112,12 +115,14 @@ void Line::clear() {
   code.clear();
   pieces.clear();
   name = {};
+  arguments.clear();
 }
 
 Accepted evaluate(const Line& line, const ParameterAccess& parameters, Evaluation& result) {
   result.block = line.block;
   result.condition = 0.0;
   result.text.clear();
+  result.arguments = line.arguments;
   return Evaluator(line, parameters, result).run();
 }
 

@@ -11,6 +11,8 @@ Accepted Execution::run(const Block& block, SourceLine source, StepSet steps) {
   source_ = source;
   waits_ = false;
   steps_left_ = 0;
+  stopped_last_ = false;
+  habit_ = Habit::none;
   const MachineState before = state_;
   const std::size_t commands_before = commands_.size();
   if (Accepted done = run_steps(steps); !done) {
@@ -51,6 +53,26 @@ void Execution::apply_settings() {
     offsets_changed |= ParameterAccess::affects_offsets(setting.number);
   }
   if (offsets_changed) reload_offsets();
+}
+
+Accepted Execution::tolerate(Habit habit, Span span) {
+  if (settings_.strict) return refuse_habit(habit, span);
+  habit_ = habit;
+  habit_span_ = span;
+  return {};
+}
+
+void Execution::ask(Dialog dialog) {
+  dialog_ = std::move(dialog);
+  emit(AskOperator{&dialog_});
+}
+
+double Execution::parameter(std::int32_t number) const {
+  return ParameterAccess(settings_, parameters_, tools_, state_).get(number);
+}
+
+Accepted Execution::check_parameter_writable(std::int32_t number, Span span) const {
+  return ParameterAccess::check_writable(number, span);
 }
 
 void Execution::set_now(std::int32_t number, double value) {

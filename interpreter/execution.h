@@ -30,7 +30,12 @@ class Execution {
   /// it has paused; run() with these once the answer is there.
   Accepted run(const Block& block, SourceLine source, StepSet steps);
   [[nodiscard]] StepSet steps_left() const { return steps_left_; }
+  /// Whether the last line that did anything ended with a stop: M0.
+  [[nodiscard]] bool stopped_last() const { return stopped_last_; }
   void forget_steps() { steps_left_ = 0; }
+  /// What tolerate() has let pass in the last run().
+  [[nodiscard]] Habit habit() const { return habit_; }
+  [[nodiscard]] Span habit_span() const { return habit_span_; }
 
   // --- for the handlers ---
   [[nodiscard]] const Block& block() const { return *block_; }
@@ -50,11 +55,22 @@ class Execution {
     commands_.emplace_back(CommandBody{body}, source_);
   }
 
+  /// Asks the operator; waits for the answer.
+  void ask(Dialog dialog);
+  /// A parameter as the program sees it.
+  [[nodiscard]] double parameter(std::int32_t number) const;
+  [[nodiscard]] Accepted check_parameter_writable(std::int32_t number, Span span) const;
+  /// Writes a parameter at once, in the program's unit.
+  void set_now(std::int32_t number, double value);
   [[nodiscard]] const config::ParameterStore& parameters() const { return parameters_; }
   /// Written when the whole line has succeeded.
   void set_six(std::int32_t first, const Position& position);
   void set_parameter(std::int32_t number, double value) { writes_.push_back({number, value}); }
 
+  /// The line has something that the manual does not allow: refused where the settings are strict.
+  Accepted tolerate(Habit habit, Span span);
+  /// The line ends with a stop.
+  void note_stop() { stopped_last_ = true; }
   /// Marks the program as ended after this line.
   void end_program() { program_ended_ = true; }
 
@@ -85,8 +101,6 @@ class Execution {
   };
 
   Accepted run_steps(StepSet steps);
-  /// Writes a parameter, in the program's unit, or the tool table behind it.
-  void set_now(std::int32_t number, double value);
   void apply_settings();
   void apply_writes();
 
@@ -100,6 +114,10 @@ class Execution {
   bool program_ended_ = false;
   bool waits_ = false;  ///< a command of this run() waits for an answer
   StepSet steps_left_ = 0;
+  bool stopped_last_ = false;
+  Habit habit_ = Habit::none;
+  Span habit_span_;
+  Dialog dialog_;
 
   const Block* block_ = nullptr;
   const Code* code_ = nullptr;

@@ -32,10 +32,6 @@ namespace {
   return false;
 }
 
-[[nodiscard]] bool steers(Statement statement) {
-  return statement >= Statement::if_begin && statement <= Statement::sub_end;
-}
-
 [[nodiscard]] std::string upper_name(std::string_view name) {
   std::string result(name);
   std::ranges::transform(result, result.begin(), upper);
@@ -46,7 +42,7 @@ namespace {
 
 bool FlowIndex::look_at(std::string_view text, std::uint32_t line, std::uint64_t offset) {
   if (!may_steer(text)) return true;
-  const KeywordMatch match_here = find_keyword(text);
+  const LineKeyword match_here = find_keyword(text);
   if (match_here.keyword == nullptr || !steers(match_here.keyword->statement)) return true;
   if (marks_.size() >= kMaxMarks) return false;
   const auto index = static_cast<std::uint32_t>(marks_.size());

@@ -31,6 +31,7 @@ Accepted select_plane(Execution& x);                // G17 G18 G19
 Accepted use_length_unit(Execution& x);             // G20 G21 G70 G71
 Accepted cancel_cutter_compensation(Execution& x);  // G40
 Accepted set_path_control(Execution& x);            // G61 G61.1 G64
+Accepted switch_contouring(Execution& x);           // M21 M22 of pscnc
 Accepted set_distance_mode(Execution& x);           // G90 G91
 Accepted set_arc_distance_mode(Execution& x);       // G90.1 G91.1
 Accepted set_retract_mode(Execution& x);            // G98 G99

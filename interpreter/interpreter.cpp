@@ -23,6 +23,29 @@ void Interpreter::start(std::shared_ptr<const Program> program, const Position& 
   impl_->runner.start(std::move(program), machine_position, options);
 }
 
+ResumePoint Interpreter::resume_point() const {
+  const MachineState& state = impl_->runner.state();
+  return {.line = impl_->runner.next_line(),
+          .position = state.position,
+          .work_position = state.work_position(),
+          .modal = state.modal,
+          .work_offset = state.coordinates.work_offset(),
+          .g92_offset = state.coordinates.g92_offset(),
+          .tool_length = state.coordinates.tool_length()};
+}
+
+void Interpreter::leave_search(const Position& machine_position) {
+  impl_->runner.leave_search(machine_position);
+}
+void Interpreter::set_library(const Library& library) { impl_->runner.set_library(library); }
+const std::vector<Diagnostic>& Interpreter::library_warnings() const {
+  return impl_->runner.library_warnings();
+}
+const std::vector<Diagnostic>& Interpreter::warnings() const { return impl_->runner.warnings(); }
+std::string_view Interpreter::file_name(std::uint16_t file) const {
+  return impl_->runner.file_name(file);
+}
+
 void Interpreter::stop() { impl_->runner.stop(); }
 void Interpreter::reset() { impl_->runner.reset(); }
 Progress Interpreter::next() { return impl_->runner.next(); }

@@ -20,6 +20,7 @@
 #include <cstdint>
 #include <memory>
 #include <string_view>
+#include <vector>
 
 #include "config/axis.h"
 #include "config/parameter_store.h"
@@ -37,6 +38,7 @@ enum class Progress : std::uint8_t {
   command,  ///< command() holds the next command
   working,  ///< nothing yet, call again; lets the caller bound the time of a call
   waiting,  ///< the last command waits for answer(); only in RunMode::run
+  found,    ///< the line that was searched for runs next: resume_point(), leave_search()
   failed,   ///< diagnostic() says why; the program cannot go on, modal state is as before the line
   ended,    ///< after ProgramEnd, or nothing was started
 };
@@ -44,11 +46,25 @@ enum class Progress : std::uint8_t {
 enum class RunMode : std::uint8_t {
   run,     ///< the world answers what the program has to wait for
   render,  ///< #5397 = 1; everything goes as programmed: dialogs say OK, probes trip at the end
+  search,  ///< as render, and without commands, up to StartOptions::search_line
 };
 
 struct StartOptions {
   RunMode mode = RunMode::run;
-  std::uint32_t line = 1;  ///< of the program, from 1
+  std::uint32_t line = 1;         ///< of the program, from 1
+  std::uint32_t search_line = 0;  ///< of RunMode::search: where to stop, from 1
+  bool single_line = false;       ///< typed by the operator: needs no M30
+};
+
+/// Where a program goes on that was searched: everything that has to be true before its line runs.
+struct ResumePoint {
+  std::uint32_t line = 0;
+  Position position;  ///< machine coordinates; with these modes and offsets
+  Position work_position;
+  ModalState modal;  ///< tool, spindle, coolant, feed, work system …
+  Position work_offset;
+  Position g92_offset;
+  Position tool_length;
 };
 
 class Interpreter {
@@ -62,6 +78,15 @@ class Interpreter {
   /// ran before.
   void start(std::shared_ptr<const Program> program, const Position& machine_position,
              const StartOptions& options = {});
+  /// After `found`: what has to be done before the line runs. The machine then stands at
+  /// `machine_position`, and next() goes on with commands.
+  [[nodiscard]] ResumePoint resume_point() const;
+  void leave_search(const Position& machine_position);
+  /// Loads macro files, the system's first: their subs can be called, change_tool and subs named
+  /// like M codes stand for these. Lines outside of subs that only set parameters are executed now;
+  /// library_warnings() tells what else stands there. Stops a running program.
+  void set_library(const Library& library);
+  [[nodiscard]] const std::vector<Diagnostic>& library_warnings() const;
   /// Gives up the running program; modal state is kept.
   void stop();
   /// Modal state as after power-up.
@@ -74,6 +99,10 @@ class Interpreter {
   /// The answer to command() if everything goes as programmed.
   [[nodiscard]] Answer expected_answer() const;
   [[nodiscard]] const Diagnostic& diagnostic() const;
+  /// What was accepted since start() although the manual does not allow it, each kind once.
+  [[nodiscard]] const std::vector<Diagnostic>& warnings() const;
+  /// Name of a file of SourceLine: 0 is the job, then the macro files.
+  [[nodiscard]] std::string_view file_name(std::uint16_t file) const;
   /// After `failed`, for checking a program only: goes on with the next line as if the wrong one
   /// were not there. False when nothing has failed.
   bool skip_failed_line();

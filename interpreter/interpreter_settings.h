@@ -5,6 +5,8 @@
 #include <cstdint>
 
 #include "interpreter/canonical.h"
+#include "interpreter/dialect.h"
+#include "interpreter/sources.h"
 
 namespace cnc::interp {
 
@@ -28,7 +30,9 @@ struct InterpreterSettings {
   bool block_delete = false;                         ///< lines that begin with "/" are skipped
   bool diameter_programming = false;  ///< X words are diameters (turning); arcs' I and R are not
   bool automatic_tool_change = true;  ///< M6 calls the sub change_tool where there is one
-  bool is_3d_printer = false;         ///< M1 switches heaters off; unknown M codes are ignored
+  DialectId dialect = DialectId::eding;
+  Library library;             ///< macro files; user_macro behind macro
+  bool is_3d_printer = false;  ///< M1 switches heaters off; unknown M codes are ignored
   bool strict = false;  ///< what the manual does not allow is refused, not tolerated with a warning
   MachineFacts machine{};
   std::uint32_t lines_per_call = 10'000;  ///< next() returns `working` after that many silent lines

@@ -10,6 +10,7 @@
 
 #include "interpreter/block.h"
 #include "interpreter/operators.h"
+#include "interpreter/statements.h"
 
 namespace cnc::interp {
 
@@ -23,8 +24,13 @@ enum class Statement : std::uint8_t {
   sub_begin,
   sub_end,
   gosub,
-  message,  ///< msg warnmsg errmsg logmsg; which one is the kind of the block's comment
+  message,  ///< msg warnmsg errmsg logmsg
+  special,  ///< a row of special_statements()
 };
+/// Whether control goes on anywhere but behind the line.
+[[nodiscard]] constexpr bool steers(Statement statement) {
+  return statement >= Statement::if_begin && statement <= Statement::sub_end;
+}
 
 struct Op {
   OpCode code;
@@ -42,6 +48,8 @@ struct Line {
   std::vector<std::string_view> pieces;  ///< quoted texts, in the program's text
   std::string_view name;                 ///< of the sub in sub and gosub, in the program's text
   Span name_span;
+  const SpecialStatement* special = nullptr;
+  std::vector<Argument> arguments;  ///< of the special statement; values are computed by the code
 
   void clear();
 };
@@ -51,8 +59,9 @@ class ParameterAccess;
 /// What evaluating a line yields.
 struct Evaluation {
   Block block;
-  double condition = 0.0;  ///< of if and while
-  std::string text;        ///< of a text statement
+  double condition = 0.0;           ///< of if and while
+  std::string text;                 ///< of a text statement
+  std::vector<Argument> arguments;  ///< of a special statement
 };
 
 /// Runs the code of `line`; `result.block` becomes the complete block.

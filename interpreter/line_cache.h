@@ -15,30 +15,36 @@ namespace cnc::interp {
 
 class LineCache {
  public:
-  /// The kept line, or nullptr.
-  [[nodiscard]] const Line* find(std::uint32_t number) const {
-    const Slot& slot = slots_[number % kSlots];
-    return number != 0 && slot.number == number ? slot.line.get() : nullptr;
+  /// A line of one of the files of a run; never 0.
+  using Key = std::uint64_t;
+  [[nodiscard]] static constexpr Key key_of(std::uint16_t file, std::uint32_t line) {
+    return (Key{file} << 32U) | line;
   }
-  /// Whether `number`, a line outside of subs, has run before: the highest one so far tells,
-  /// because only loops go back there.
+
+  /// The kept line, or nullptr.
+  [[nodiscard]] const Line* find(Key key) const {
+    const Slot& slot = slots_[key % kSlots];
+    return slot.key == key ? slot.line.get() : nullptr;
+  }
+  /// Whether `number`, a line of the job outside of subs, has run before: the highest one so far
+  /// tells, because only loops go back there.
   [[nodiscard]] bool has_run(std::uint32_t number) {
     if (number <= highest_) return true;
     highest_ = number;
     return false;
   }
   /// Where to parse a line that shall be kept; keep() makes it findable.
-  [[nodiscard]] Line& slot_for(std::uint32_t number) {
-    Slot& slot = slots_[number % kSlots];
-    slot.number = 0;
+  [[nodiscard]] Line& slot_for(Key key) {
+    Slot& slot = slots_[key % kSlots];
+    slot.key = 0;
     if (!slot.line) slot.line = std::make_unique<Line>();
     return *slot.line;
   }
-  void keep(std::uint32_t number) { slots_[number % kSlots].number = number; }
+  void keep(Key key) { slots_[key % kSlots].key = key; }
 
   void clear() {
     if (highest_ == 0) return;
-    for (Slot& slot : slots_) slot.number = 0;
+    for (Slot& slot : slots_) slot.key = 0;
     highest_ = 0;
   }
 
@@ -46,7 +52,7 @@ class LineCache {
   static constexpr std::size_t kSlots = 1024;
 
   struct Slot {
-    std::uint32_t number = 0;
+    Key key = 0;
     std::unique_ptr<Line> line;
   };
 

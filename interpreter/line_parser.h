@@ -5,6 +5,7 @@
 
 #include "interpreter/line.h"
 #include "interpreter/refusal.h"
+#include "interpreter/statement_parser.h"
 
 namespace cnc::interp {
 
@@ -15,21 +16,12 @@ inline constexpr std::size_t kMaxLineLength = 4096;
 /// content means nothing.
 Accepted parse_line(std::string_view text, Line& line);
 
-/// A statement of the language's own (manual chapter 4): the first word of a line.
-struct Keyword {
-  std::string_view name;  ///< lower case
-  Statement statement;
-  MessageKind text_kind = MessageKind::message;  ///< of a text statement
-};
-
-/// The keyword that a line begins with, and the text behind it.
-struct KeywordMatch {
+/// The keyword that a line begins with, behind "/" and line number, and the text behind it;
+/// nullptr if the line begins with anything else.
+struct LineKeyword {
   const Keyword* keyword = nullptr;
   std::string_view rest;
 };
-/// Looks behind "/" and line number too. keyword is nullptr if the line begins with anything else.
-[[nodiscard]] KeywordMatch find_keyword(std::string_view text);
-/// The name that begins `rest`: of a sub, in sub and gosub.
-[[nodiscard]] std::string_view leading_name(std::string_view rest);
+[[nodiscard]] LineKeyword find_keyword(std::string_view text);
 
 }  // namespace cnc::interp

@@ -139,10 +139,11 @@ struct OpenLogFile {
   std::string_view name;
   bool append = false;
 };
-/// sp: writes the present work position to a file.
+/// sp: writes the work position to a file.
 struct StorePosition {
   std::string_view name;
   bool append = false;
+  Position work_position;
 };
 enum class Guard : std::uint8_t { machine_area, tool_change_area };
 /// MCAGuard, TCAGuard.
@@ -192,7 +193,7 @@ struct ChangeHeightMap {
   double grid_size = 0.0;  ///< mm, of begin
   std::int32_t columns = 0;
   std::int32_t rows = 0;
-  std::string_view name;  ///< of store
+  std::string_view name{};  ///< of store
 };
 
 /// Nothing but waiting for an Answer: the program reads a value that only the machine knows.

@@ -111,6 +111,7 @@ Accepted switch_overrides(Execution& x) {
 }
 
 Accepted stop_program(Execution& x) {
+  x.note_stop();
   x.emit(ProgramStop{x.code() == 0 ? StopKind::program_stop : StopKind::optional_stop});
   return {};
 }

@@ -59,9 +59,10 @@ struct CycleWords {
 struct MachineState {
   ModalState modal;
   WorkCoordinates coordinates;
-  CycleWords cycle;   ///< as modal.motion last had it, if that is a canned cycle
-  Position position;  ///< machine coordinates that the program has reached
-  LiveValues live;    ///< as the last answer gave them
+  CycleWords cycle;        ///< as modal.motion last had it, if that is a canned cycle
+  Position position;       ///< machine coordinates that the program has reached
+  LiveValues live;         ///< as the last answer gave them
+  bool rendering = false;  ///< #5397: nothing moves, everything goes as programmed
 
   [[nodiscard]] Position work_position() const { return coordinates.to_work(position); }
   /// Program units of an axis to mm or degrees: inches exist for X Y Z only.

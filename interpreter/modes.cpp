@@ -56,6 +56,16 @@ Accepted set_path_control(Execution& x) {
   return {};
 }
 
+// Contouring runs through where lines and arcs are tangent (PSCNC 3.2), which G61 does; without it
+// every move ends at rest.
+Accepted switch_contouring(Execution& x) {
+  constexpr std::int32_t kContouringOn = 21;
+  SetPathMode& path = x.state().modal.path;
+  path.mode = x.code() == kContouringOn ? PathMode::exact_path : PathMode::exact_stop;
+  x.emit(path);
+  return {};
+}
+
 Accepted set_distance_mode(Execution& x) {
   x.state().modal.distance = x.code() == 900 ? DistanceMode::absolute : DistanceMode::incremental;
   return {};

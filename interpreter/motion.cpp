@@ -26,13 +26,17 @@ struct CentreWords {
   return kWords.at(static_cast<std::size_t>(plane));
 }
 
-Accepted check_arc_words(const Execution& x, const CentreWords& centre, const PlaneAxes& axes) {
+Accepted check_arc_words(Execution& x, const CentreWords& centre, const PlaneAxes& axes) {
   const Block& block = x.block();
   // FreeCAD and others write all three; K0 in the XY plane does no harm.
   if (block.find(centre.third).value_or(0.0) != 0.0) {
     return refuse(ErrorCode::arc_centre_off_plane, block.span_of(centre.third),
                   fmt::format("{} does not belong to an arc in this plane.", centre.third),
                   fmt::format("{} and {}.", centre.first, centre.second));
+  }
+  if (block.has(centre.third)) {
+    Accepted tolerated = x.tolerate(Habit::third_centre_word, block.span_of(centre.third));
+    if (!tolerated) return tolerated;
   }
   const bool has_centre = block.has(centre.first) || block.has(centre.second);
   if (has_centre && block.has('R')) {
@@ -85,7 +89,9 @@ Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const C
   if (x.block().has('R')) {
     const double radius =
         x.block().value('R') * state.scale() * state.coordinates.transform().x_factor();
+    const bool half_circle = dialect(x.settings().dialect).short_radius_is_half_circle;
     return centre_of_radius(start, end, radius, x.code() == kClockwiseArc, unit,
+                            half_circle ? ShortRadius::half_circle : ShortRadius::refused,
                             x.block().span_of('R'));
   }
   const auto centre = centre_from_words(x, words, axes, start);

@@ -66,6 +66,7 @@ enum class OpCode : std::uint8_t {
   store_condition,
   append_text,  ///< index of the piece in `argument`
   append_value,
+  store_argument,  ///< index in `argument`
 };
 
 /// Binding strength; a higher one is evaluated first.

@@ -44,6 +44,7 @@ constexpr auto kMeanings = std::to_array<Meaning>({
     {5069, 5069, [](State s, Tools, std::int32_t) { return s.live.hand_wheel; }},
     {5070, 5070, [](State s, Tools, std::int32_t) { return s.live.spindle_speed; }},
     {5071, 5076, [](State s, Tools, std::int32_t n) { return s.position[nth_axis(n)]; }},
+    {5397, 5397, [](State s, Tools, std::int32_t) { return s.rendering ? 1.0 : 0.0; }},
     {5401, 5499, [](State, Tools t, std::int32_t n) { return tool_at(t, n + 1).length; }},
     {5501, 5599, [](State, Tools t, std::int32_t n) { return tool_at(t, n + 1).diameter; }},
     {5601, 5699, [](State, Tools t, std::int32_t n) { return tool_at(t, n + 1).x_offset; }},

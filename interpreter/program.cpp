@@ -135,6 +135,7 @@ Result<void> Program::index() {
                   fmt::format("{} is not a text: line {} holds a NUL byte.", name_, line),
                   {name_, line});
     }
+    if (text_[begin] == '%') nesting_.read(text_.substr(begin, end - begin));
     if (!flow_.look_at(text_.substr(begin, end - begin), line, begin)) {
       return fail(
           ErrorCode::program_too_large,

@@ -17,6 +17,7 @@
 
 #include "config/error.h"
 #include "interpreter/flow_index.h"
+#include "interpreter/nesting.h"
 
 namespace cnc::interp {
 
@@ -52,6 +53,7 @@ class Program {
   [[nodiscard]] std::string_view read(Cursor& cursor) const;
 
   [[nodiscard]] const FlowIndex& flow() const { return flow_; }
+  [[nodiscard]] const NestingData& nesting() const { return nesting_; }
 
  private:
   explicit Program(std::string name) : name_(std::move(name)) {}
@@ -70,6 +72,7 @@ class Program {
   std::vector<std::uint64_t> offsets_;  ///< of lines 1, 65, 129 …
   std::uint32_t line_count_ = 0;
   FlowIndex flow_;
+  NestingData nesting_;
 };
 
 }  // namespace cnc::interp

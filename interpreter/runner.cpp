@@ -1,48 +1,22 @@
 #include "interpreter/runner.h"
 
 #include <fmt/format.h>
-#include <ranges>
+#include <utility>
 
 #include "interpreter/check_block.h"
 #include "interpreter/line_parser.h"
 #include "interpreter/number_scan.h"
 
 namespace cnc::interp {
-namespace {
-
-/// What a statement lacks that has no partner.
-[[nodiscard]] std::string_view missing_partner(Statement statement) {
-  switch (statement) {
-    case Statement::if_begin:
-      return "endif";
-    case Statement::if_else:
-      return "if before and endif behind it";
-    case Statement::if_end:
-      return "if";
-    case Statement::while_begin:
-      return "endwhile";
-    case Statement::while_end:
-      return "while";
-    case Statement::sub_begin:
-      return "endsub";
-    case Statement::sub_end:
-      return "sub";
-    case Statement::block:
-    case Statement::gosub:
-    case Statement::message:
-      break;
-  }
-  return "";
-}
-
-}  // namespace
 
 Runner::Runner(const InterpreterSettings& settings, config::ParameterStore& parameters,
                config::ToolTable& tools)
     : settings_(settings),
       execution_(settings_, parameters, tools),
       access_(settings_, parameters, tools, execution_.state()) {
+  scratch_.block.set_dialect(dialect(settings_.dialect));
   reset();
+  set_library(settings_.library);
 }
 
 // --- program control
@@ -65,20 +39,32 @@ void Runner::reset() {
 void Runner::start(std::shared_ptr<const Program> program, const Position& position,
                    const StartOptions& options) {
   stop();
-  program_ = std::move(program);
+  sources_.set_job(std::move(program));
+  enter_file(Sources::kJob);
   mode_ = options.mode;
+  single_line_ = options.single_line;
+  search_line_ = options.mode == RunMode::search ? options.search_line : 0;
   access_.set_live(mode_ != RunMode::run);
   cursor_ = program_->begin_of(options.line);
   line_number_ = cursor_.line;
   execution_.state().position = position;
-  execution_.begin({0, line_number_});
+  execution_.state().rendering = mode_ != RunMode::run;
+  execution_.begin(here());
   // The operator may have changed offsets and tools since the last program.
   execution_.reload_offsets();
   execution_.reload_tool_length();
 }
 
+void Runner::leave_search(const Position& position) {
+  mode_ = RunMode::run;
+  search_line_ = 0;
+  access_.set_live(false);
+  execution_.state().rendering = false;
+  execution_.state().position = position;
+}
+
 void Runner::stop() {
-  program_.reset();
+  program_ = nullptr;
   calls_.clear();
   cache_.clear();
   execution_.commands().clear();
@@ -90,6 +76,8 @@ void Runner::stop() {
   failed_ = false;
   ran_off_end_ = false;
   lines_run_ = 0;
+  habits_seen_.reset();
+  warnings_.clear();
 }
 
 bool Runner::skip_failed_line() {
@@ -100,28 +88,46 @@ bool Runner::skip_failed_line() {
   return true;
 }
 
+void Runner::enter_file(std::uint16_t file) {
+  file_ = file;
+  program_ = &sources_.file(file);
+}
+
 Progress Runner::next() {
   std::vector<Command>& commands = execution_.commands();
-  if (waits_) {
-    if (mode_ == RunMode::run) return Progress::waiting;
-    answer(expected_answer());
-  }
   for (std::uint32_t lines = 0;; ++lines) {
-    if (taken_ < commands.size()) return hand_out();
+    if (waits_) {
+      if (mode_ == RunMode::run) return Progress::waiting;
+      answer(expected_answer());
+    }
+    if (taken_ < commands.size()) {
+      hand_out();
+      if (mode_ == RunMode::search) continue;  // nobody wants it
+      return Progress::command;
+    }
     if (failed_) return Progress::failed;
     if (fails_after_commands_) return fail(*fails_after_commands_);
     commands.clear();
     taken_ = 0;
-    if (!program_ || execution_.program_ended()) return Progress::ended;
-    if (lines == settings_.lines_per_call) return Progress::working;
+    if (program_ == nullptr || execution_.program_ended()) return Progress::ended;
+    if (lines >= settings_.lines_per_call) return Progress::working;
     const bool in_line = execution_.steps_left() != 0;
+    if (search_line_ != 0 && !in_line && search_is_over()) return Progress::found;
     if (Accepted done = in_line ? run_rest_of_line() : run_line(); !done) return fail(done.error());
   }
 }
 
-Progress Runner::hand_out() {
-  waits_ = waits_for_answer(execution_.commands()[taken_++].body);
-  return Progress::command;
+void Runner::hand_out() { waits_ = waits_for_answer(execution_.commands()[taken_++].body); }
+
+/// A line that is never reached (in a branch that is not taken) is found at the next one.
+bool Runner::search_is_over() const {
+  if (file_ != Sources::kJob || rest_ != nullptr) return false;
+  return cursor_.line == search_line_ || (calls_.empty() && cursor_.line > search_line_);
+}
+
+const Command& Runner::command() const {
+  static const Command kNone{ProgramEnd{}, {}};
+  return taken_ == 0 ? kNone : execution_.commands()[taken_ - 1];
 }
 
 void Runner::answer(const Answer& answer) {
@@ -132,46 +138,13 @@ void Runner::answer(const Answer& answer) {
 
 Answer Runner::expected_answer() const { return execution_.expected_answer(command().body); }
 
-const Command& Runner::command() const {
-  static const Command kNone{ProgramEnd{}, {}};
-  return taken_ == 0 ? kNone : execution_.commands()[taken_ - 1];
-}
-
-Progress Runner::fail(const Refusal& refusal) {
-  failed_ = true;
-  diagnostic_ = {.code = refusal.code,
-                 .severity = Severity::error,
-                 .sentence = refusal.sentence,
-                 .allowed = refusal.allowed,
-                 .file = program_->name(),
-                 .line = line_number_,
-                 .column = refusal.span.column,
-                 .length = refusal.span.length,
-                 .line_text = std::string(line_text_.substr(0, kMaxLineLength)),
-                 .call_stack = {}};
-  for (const Call& call : calls_ | std::views::reverse) {
-    diagnostic_.call_stack.push_back({std::string(call.sub), call.line});
-  }
-  return Progress::failed;
-}
-
 // --- one line
 // --------------------------------------------------------------------------------------
 
-Accepted Runner::run_rest_of_line() {
-  return execution_.run(*block_, here(), execution_.steps_left());
-}
-
 Accepted Runner::run_line() {
-  if (std::exchange(runs_again_, false)) {
-    Accepted done = run_parsed(*line_);
-    access_.set_live(mode_ != RunMode::run);
-    return done;
-  }
-  if (program_->at_end(cursor_)) {
-    end_at_end_of_file();
-    return {};
-  }
+  if (std::exchange(runs_again_, false)) return run_again();
+  if (rest_) return run_rest_of_line();
+  if (program_->at_end(cursor_)) return end_at_end_of_file();
   ++lines_run_;
   line_number_ = cursor_.line;
   line_text_ = program_->read(cursor_);
@@ -182,21 +155,34 @@ Accepted Runner::run_line() {
   return run_parsed(*line_);
 }
 
-/// Asks the world, and has the line run again when it has answered.
-void Runner::ask_for_live_values() {
-  execution_.begin(here());
-  execution_.emit(Synchronise{});
-  runs_again_ = true;
+Accepted Runner::run_again() {
+  Accepted done = run_parsed(*line_);
+  access_.set_live(mode_ != RunMode::run);
+  return done;
+}
+
+/// Behind a command that has been answered, or behind a sub that was called within the line.
+Accepted Runner::run_rest_of_line() {
+  if (execution_.steps_left() != 0) return execution_.run(*block_, here(), execution_.steps_left());
+  const std::unique_ptr<Rest> rest = std::move(rest_);
+  evaluation_.block = rest->block;
+  return execute(evaluation_.block, rest->steps);
 }
 
 // The end of the file ends a program without resetting modes: a line typed by the operator is a
 // program too, and must not switch off the spindle.
-void Runner::end_at_end_of_file() {
+Accepted Runner::end_at_end_of_file() {
+  if (dialect(settings_.dialect).needs_end && !single_line_ && !execution_.stopped_last()) {
+    line_text_ = {};
+    return refuse(ErrorCode::no_program_end, {0, 1}, "The program does not end with M00 or M30.",
+                  "M00 or M30 on the last line.");
+  }
   ran_off_end_ = true;
   line_number_ = program_->line_count();
-  execution_.begin({0, line_number_});
+  execution_.begin(here());
   execution_.emit(ProgramEnd{});
   execution_.end_program();
+  return {};
 }
 
 bool Runner::is_skipped() const {
@@ -206,24 +192,32 @@ bool Runner::is_skipped() const {
 }
 
 Parsed<const Line*> Runner::parsed_line() {
-  if (const Line* kept = cache_.find(line_number_)) return kept;
+  const LineCache::Key key = LineCache::key_of(file_, line_number_);
+  if (const Line* kept = cache_.find(key)) return kept;
   const bool keep = !calls_.empty() || cache_.has_run(line_number_);
-  Line& line = keep ? cache_.slot_for(line_number_) : scratch_;
+  Line& line = keep ? cache_.slot_for(key) : scratch_;
+  if (keep) line.block.set_dialect(dialect(settings_.dialect));
   if (Accepted parsed = parse_line(line_text_, line); !parsed) {
     return std::unexpected(std::move(parsed.error()));
   }
-  if (keep) cache_.keep(line_number_);
+  if (keep) cache_.keep(key);
   return &line;
 }
 
 Accepted Runner::run_parsed(const Line& line) {
+  if (line.statement == Statement::block) return run_block(line);
+  if (line.block.habit() != Habit::none) {
+    Accepted tolerated = tolerate(line.block.habit(), line.block.habit_span());
+    if (!tolerated) return tolerated;
+  }
   switch (line.statement) {
-    case Statement::block:
-      return run_block(line);
     case Statement::gosub:
-      return call_sub(line);
+      return run_gosub(line);
     case Statement::message:
       return show_text(line);
+    case Statement::special:
+      return run_special(line);
+    case Statement::block:
     case Statement::if_begin:
     case Statement::if_else:
     case Statement::if_end:
@@ -236,116 +230,64 @@ Accepted Runner::run_parsed(const Line& line) {
   return run_flow(line);
 }
 
+Parsed<bool> Runner::evaluate_line(const Line& line) {
+  if (Accepted done = evaluate(line, access_, evaluation_); !done) {
+    return std::unexpected(std::move(done.error()));
+  }
+  if (!access_.take_wants_live()) return true;
+  execution_.begin(here());
+  execution_.emit(Synchronise{});
+  runs_again_ = true;
+  return false;
+}
+
 Accepted Runner::run_block(const Line& line) {
   // Checking completes the block, so a kept line is copied; the usual line is used where it is.
-  if (&line == &scratch_ && line.code.empty()) return check_and_execute(scratch_.block);
-  if (Accepted values = evaluate(line, access_, evaluation_); !values) return values;
-  if (access_.take_wants_live()) {
-    ask_for_live_values();
-    return {};
-  }
-  return check_and_execute(evaluation_.block);
+  if (&line == &scratch_ && line.code.empty()) return start_block(scratch_.block);
+  const auto complete = evaluate_line(line);
+  if (!complete) return std::unexpected(complete.error());
+  return *complete ? start_block(evaluation_.block) : Accepted{};
 }
 
-Accepted Runner::check_and_execute(Block& block) {
-  if (block.empty()) return {};
+Accepted Runner::start_block(Block& block) {
+  if (block.empty()) {
+    return block.habit() == Habit::none ? Accepted{} : tolerate(block.habit(), block.habit_span());
+  }
+  if (!block.m_numbers().empty()) {
+    if (const auto sub = sub_instead_of_m(block)) return call_instead_of_m(block, *sub);
+    if (const auto unknown = block.unknown_m()) {
+      if (!settings_.is_3d_printer) return block.refuse_m_code(*unknown, block.m_span());
+      return tolerate(Habit::ignored_code, block.m_span());
+    }
+  }
   if (Accepted allowed = check_block(block, execution_.state().modal); !allowed) return allowed;
+  if (block.habit() != Habit::none) {
+    Accepted tolerated = tolerate(block.habit(), block.habit_span());
+    if (!tolerated) return tolerated;
+  }
+  if (const auto sub = sub_for_tool_change(block)) return call_for_tool_change(block, *sub);
+  return execute(block, block.steps());
+}
+
+Accepted Runner::execute(Block& block, StepSet steps) {
   block_ = &block;
-  return execution_.run(block, here(), block.steps());
+  Accepted done = execution_.run(block, here(), steps);
+  if (execution_.habit() == Habit::none || !done) return done;
+  return tolerate(execution_.habit(), execution_.habit_span());
 }
 
-// --- flow
-// ------------------------------------------------------------------------------------------
-
-void Runner::go_behind(const FlowMark& mark) {
-  cursor_ = {mark.line, mark.offset};
-  static_cast<void>(program_->read(cursor_));
+Accepted Runner::run_special(const Line& line) {
+  const auto complete = evaluate_line(line);
+  if (!complete) return std::unexpected(complete.error());
+  if (!*complete) return {};
+  execution_.begin(here());
+  return line.special->handler(execution_, evaluation_.arguments);
 }
-
-Accepted Runner::run_flow(const Line& line) {
-  const FlowMark* mark = program_->flow().find(line_number_);
-  const FlowMark* partner = mark == nullptr ? nullptr : program_->flow().partner_of(*mark);
-  if (partner == nullptr) {
-    return refuse(ErrorCode::flow_unmatched, {},
-                  fmt::format("This line has no {}.", missing_partner(line.statement)),
-                  "if ... else ... endif, while ... endwhile, sub ... endsub, properly nested.");
-  }
-  switch (line.statement) {
-    case Statement::if_begin:
-    case Statement::while_begin:
-      return run_condition(line, partner);
-    case Statement::if_else:
-    case Statement::sub_begin:
-      go_behind(*partner);
-      return {};  // past the other branch, the sub
-    case Statement::while_end:
-      cursor_ = {partner->line, partner->offset};
-      return {};
-    case Statement::sub_end:
-      return return_from_sub();
-    case Statement::if_end:
-    case Statement::block:
-    case Statement::gosub:
-    case Statement::message:
-      break;
-  }
-  return {};
-}
-
-Accepted Runner::run_condition(const Line& line, const FlowMark* partner) {
-  if (Accepted value = evaluate(line, access_, evaluation_); !value) return value;
-  if (access_.take_wants_live()) {
-    ask_for_live_values();
-    return {};
-  }
-  if (evaluation_.condition == 0.0) go_behind(*partner);
-  return {};
-}
-
-Accepted Runner::call_sub(const Line& line) {
-  const FlowIndex::Sub sub = program_->flow().find_sub(line.name);
-  if (sub.mark == nullptr) {
-    return refuse(ErrorCode::sub_unknown, line.name_span,
-                  fmt::format("There is no sub {} in this program.", line.name));
-  }
-  if (sub.other_line != 0) {
-    return refuse(ErrorCode::sub_duplicate, line.name_span,
-                  fmt::format("The sub {} exists twice: in lines {} and {}.", line.name,
-                              sub.mark->line, sub.other_line),
-                  "One sub of a name.");
-  }
-  if (program_->flow().partner_of(*sub.mark) == nullptr) {
-    return refuse(ErrorCode::flow_unmatched, line.name_span,
-                  fmt::format("The sub {} in line {} has no endsub.", line.name, sub.mark->line));
-  }
-  if (calls_.size() >= settings_.max_call_depth) {
-    return refuse(ErrorCode::calls_too_deep, line.name_span, "Too many gosubs within one another.",
-                  fmt::format("At most {}.", settings_.max_call_depth));
-  }
-  calls_.push_back({cursor_, line_number_, line.name});
-  go_behind(*sub.mark);
-  return {};
-}
-
-Accepted Runner::return_from_sub() {
-  if (calls_.empty()) {
-    return refuse(ErrorCode::endsub_without_call, {}, "This endsub was reached without a gosub.",
-                  "A start outside of subs.");
-  }
-  cursor_ = calls_.back().return_to;
-  calls_.pop_back();
-  return {};
-}
-
-// --- texts
-// -----------------------------------------------------------------------------------------
 
 Accepted Runner::show_text(const Line& line) {
-  if (Accepted text = evaluate(line, access_, evaluation_); !text) return text;
-  if (access_.take_wants_live()) {
-    ask_for_live_values();
-    return {};
-  }
+  const auto complete = evaluate_line(line);
+  if (!complete) return std::unexpected(complete.error());
+  if (!*complete) return {};
   execution_.begin(here());
   execution_.emit(Message{line.text_kind, evaluation_.text});
   if (line.text_kind == MessageKind::warning) {

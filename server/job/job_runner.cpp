@@ -156,7 +156,8 @@ void JobRunner::fill_planner() {
         interpreter_busy_ = true;
         return;
       case interp::Progress::waiting:
-        return;  // the action is pending
+      case interp::Progress::found:
+        return;  // the action is pending; nobody searches here
       case interp::Progress::failed:
         error_ = interpreter_.diagnostic().to_error();
         program_over_ = true;

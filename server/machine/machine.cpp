@@ -225,6 +225,7 @@ Result<void> Machine::interpret_now(std::string line) {
       case interp::Progress::command:
       case interp::Progress::working:
       case interp::Progress::waiting:
+      case interp::Progress::found:
         break;
       case interp::Progress::failed: {
         Error error = interpreter_.diagnostic().to_error();

@@ -17,11 +17,16 @@ Outcome Bench::run(std::string_view text, std::size_t max_commands) {
     return outcome;
   }
   Interpreter interpreter(settings, parameters, tools);
-  interpreter.start(*program, start);
+  outcome.library_warnings = interpreter.library_warnings();
+  interpreter.start(*program, start, {.mode = mode});
   while (outcome.lines.size() < max_commands) {
     const Progress progress = interpreter.next();
-    if (progress == Progress::command) outcome.lines.push_back(text_of(interpreter.command()));
-    if (progress == Progress::waiting) interpreter.answer(interpreter.expected_answer());
+    if (progress == Progress::command)
+      outcome.lines.push_back(interp::text_of(interpreter.command()));
+    if (progress == Progress::waiting) {
+      Answer answer = interpreter.expected_answer();
+      interpreter.answer(world ? world(interpreter.command(), answer) : answer);
+    }
     if (progress == Progress::failed) {
       outcome.failed = true;
       outcome.diagnostic = interpreter.diagnostic();
@@ -31,20 +36,28 @@ Outcome Bench::run(std::string_view text, std::size_t max_commands) {
   outcome.modal = interpreter.modal();
   outcome.position = interpreter.position();
   outcome.total_offset = interpreter.total_offset();
+  outcome.warnings = interpreter.warnings();
   return outcome;
 }
 
 Outcome run(std::string_view text) { return Bench{}.run(text); }
 
-std::string commands_of(std::string_view text) {
-  Outcome outcome = run(text);
-  if (outcome.failed) return outcome.diagnostic.to_string();
-  if (!outcome.lines.empty() && outcome.lines.back() == "PROGRAM_END()") outcome.lines.pop_back();
-  return fmt::format("{}", fmt::join(outcome.lines, "; "));
+void Bench::add_macros(std::string_view text, std::string name) {
+  settings.library.push_back(Program::from_text(std::string(text), std::move(name)).value());
 }
 
-std::string refusal_of(std::string_view text) {
-  const Outcome outcome = run(text);
+std::string text_of(const Outcome& outcome) {
+  if (outcome.failed) return outcome.diagnostic.to_string();
+  std::vector<std::string> lines = outcome.lines;
+  if (!lines.empty() && lines.back() == "PROGRAM_END()") lines.pop_back();
+  return fmt::format("{}", fmt::join(lines, "; "));
+}
+
+std::string commands_of(std::string_view text) { return text_of(run(text)); }
+
+std::string refusal_of(std::string_view text) { return refusal_of(run(text)); }
+
+std::string refusal_of(const Outcome& outcome) {
   if (!outcome.failed) return {};
   return fmt::format("{}@{}", error_info(outcome.diagnostic.code).name, outcome.diagnostic.column);
 }

@@ -1,6 +1,7 @@
 // Running a program text to its end, as the tests of this folder do it.
 #pragma once
 
+#include <functional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -18,6 +19,8 @@ struct Outcome {
   ModalState modal;
   Position position;
   Position total_offset;
+  std::vector<Diagnostic> warnings;
+  std::vector<Diagnostic> library_warnings;
 };
 
 /// The machine that a program runs on; defaults to a metric one that stands at 0.
@@ -26,7 +29,12 @@ struct Bench {
   config::ParameterStore parameters;
   config::ToolTable tools;
   Position start;
+  RunMode mode = RunMode::run;
+  /// What the world says; as expected where this is empty.
+  std::function<Answer(const Command&, Answer expected)> world;
 
+  /// Adds a macro file.
+  void add_macros(std::string_view text, std::string name = "macro.cnc");
   /// Runs `text` in a new interpreter until it ends, fails, or has given `max_commands`.
   Outcome run(std::string_view text, std::size_t max_commands = 100'000);
 };
@@ -36,8 +44,11 @@ Outcome run(std::string_view text);
 /// The commands of `text` without the trailing PROGRAM_END() and without mode lines before the
 /// first of interest; joined by "; ".
 std::string commands_of(std::string_view text);
+/// The commands of an outcome, or its diagnostic; as commands_of().
+std::string text_of(const Outcome& outcome);
 /// "name@column" of the refusal, or "" when the program runs.
 std::string refusal_of(std::string_view text);
+std::string refusal_of(const Outcome& outcome);
 
 /// The end point of the last move of `text`.
 Position end_of(std::string_view text);
