@@ -16,8 +16,8 @@
 namespace cnc::hal {
 
 /// One piece of motion for the board's FIFO: a cubic from the end of the segment before it. `id`
-/// counts up by one from segment to segment, never 0; the first after a fault or a quick stop may
-/// have any. Segments shorter than Capabilities::min_segment_duration are stretched to it, and
+/// counts up by one from segment to segment, never 0; the first after a fault or any stop may have
+/// any. Segments shorter than Capabilities::min_segment_duration are stretched to it, and
 /// later ones shortened until the total time is right again.
 struct Segment {
   std::uint32_t id = 0;
@@ -61,6 +61,18 @@ struct Latch {
   double position = 0.0;  ///< mm or degrees, in the counting of that moment
 };
 
+/// What the probe latch caught: where all axes were at the very step at which the probe input
+/// became active.
+struct ProbeLatch {
+  bool armed = false;
+  bool caught = false;
+  bool active_at_arming = false;  ///< the probe touched already: nothing was armed, nothing moves
+  Position position{};            ///< mm and degrees, in the counting of that moment
+};
+
+/// A stop along the path: from its beginning to release_stop().
+enum class PathStop : std::uint8_t { none, stopping, stopped };
+
 struct ControllerStatus {
   double time = 0.0;  ///< board time, s
   bool connected = false;
@@ -68,11 +80,14 @@ struct ControllerStatus {
   std::uint32_t executing_id = 0;  ///< segment in execution, or the last executed; 0 = none yet
   double executing_phase = 0.0;    ///< 0 … 1 within it
   std::uint32_t fifo_count = 0;    ///< segments waiting, the executing one not counted
-  double fifo_time = 0.0;          ///< seconds of motion still in the board
+  double fifo_time = 0.0;          ///< seconds of motion still in the board, at full speed
+  PathStop path_stop = PathStop::none;
+  double time_scale = 1.0;  ///< speed along the path against the segments' own, 0 … 1
   bool moving = false;
   Position position;  ///< from the step counters, mm and degrees
   Inputs inputs{};
   AxisArray<Latch> home_latch{};
+  ProbeLatch probe_latch{};
   Outputs outputs{};
 };
 
@@ -99,7 +114,8 @@ class Controller {
 
   /// Segments that the FIFO still takes.
   [[nodiscard]] virtual std::size_t free_segments() const = 0;
-  /// Appends; returns how many were taken (fewer when the FIFO is full or a fault is pending).
+  /// Appends; returns how many were taken (fewer when the FIFO is full; none while a fault is
+  /// pending or a stop along the path waits for its release).
   virtual std::size_t push(std::span<const Segment> segments) = 0;
 
   /// While a fault is pending the board keeps its outputs in the safe state, and it does not bring
@@ -107,6 +123,15 @@ class Controller {
   virtual void set_outputs(const Outputs& outputs) = 0;
   /// Stops step pulses at once and empties the FIFO. Steps may be lost by a real motor.
   virtual void quick_stop() = 0;
+  /// Slows down along the path to a standstill, no axis beyond its configured acceleration, then
+  /// empties the FIFO: path_stop goes from none to stopping to stopped (at a standstill at once),
+  /// and status.position is then exact. No fault. Segments are taken while stopping, because the
+  /// path may need them, and dropped by the board once it has stopped: what was pushed for the path
+  /// before is void. If the FIFO runs dry before the standstill that is an underrun.
+  virtual void stop_along_path() = 0;
+  /// Segments are taken again, from where the machine stands. Only when stopped; else nothing.
+  /// quick_stop() and clear_faults() release too.
+  virtual void release_stop() = 0;
   /// Clears faults whose cause is gone; the FIFO is empty afterwards.
   virtual void clear_faults() = 0;
   /// Gives the present step count of an axis a new machine position, exactly. False, and nothing
@@ -115,6 +140,13 @@ class Controller {
 
   virtual void arm_home_latch(Axis axis, LatchEdge edge) = 0;
   virtual void disarm_home_latch(Axis axis) = 0;
+
+  /// When the probe input becomes active the board latches and stops along the path by itself. If
+  /// the input is active already, probe_latch.active_at_arming says so and the same stop follows,
+  /// so that segments already under way are not executed. Either way release_stop() goes on. One
+  /// catch per arming; a latch that stays armed would stop a later move.
+  virtual void arm_probe_latch() = 0;
+  virtual void disarm_probe_latch() = 0;
 };
 
 }  // namespace cnc::hal

@@ -83,10 +83,14 @@ void fill_frame(Bytes& bytes, HostFrame& frame, Segment& tail, const Core& core)
   frame.reset();
   frame.quick_stop = flags % 16 == 1;
   frame.clear_faults = flags % 8 == 2;
+  frame.stop_along_path = flags % 8 == 3;
+  frame.release_stop = flags % 4 == 2;
+  frame.probe = static_cast<ProbeRequest>(bytes.next<std::uint8_t>() % 3);
   frame.has_outputs = (flags & 16) != 0;
   frame.outputs.drives_enabled = true;
   frame.latch[flags % kAxisCount] = static_cast<LatchRequest>(bytes.next<std::uint8_t>() % 4);
-  if (frame.quick_stop || frame.clear_faults) {
+  const bool stopped = core.status().path_stop == PathStop::stopped;
+  if (frame.quick_stop || frame.clear_faults || stopped) {
     tail = {.id = tail.id};
     const Status status = core.status();
     for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
@@ -115,7 +119,11 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   Bytes bytes(data, size);
   FuzzedBoard board;
   Core core(board);
-  require(core.set_up({.max_velocity = kLimit, .host_timeout = kTicksPerSecond}));
+  Setup setup{.max_velocity = kLimit, .host_timeout = kTicksPerSecond};
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    setup.max_acceleration[axis] = axis == 0 ? 0 : StepAcceleration{1} << (20 + 4 * axis);
+  }
+  require(core.set_up(setup));
   static const auto frame = std::make_unique<HostFrame>();
   Segment tail{};
   while (!bytes.empty()) {
@@ -124,8 +132,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     const bool faulty = core.status().faults != 0;
     require(!faulty || board.last_outputs == Outputs{});
     require(!faulty || !core.status().moving);
+    require(core.status().path_stop != PathStop::stopped || !core.status().moving);
 
     board.present.home = bytes.next<std::uint8_t>();
+    board.present.probe = bytes.next<std::uint8_t>() > 200;
     board.present.estop = bytes.next<std::uint8_t>() > 250;
     const Ticks ticks = bytes.next<std::uint16_t>();
     core.advance(ticks);

@@ -36,6 +36,8 @@ class RecordingController final : public hal::Controller {
     note(outputs.spindle_on ? "spindle on" : "spindle off");
   }
   void quick_stop() override { note("quick stop"); }
+  void stop_along_path() override { note("stop along path"); }
+  void release_stop() override { note("release stop"); }
   void clear_faults() override { note("clear faults"); }
   bool set_position(Axis axis, double) override {
     note("position " + std::string(axis_name(axis)));
@@ -45,6 +47,8 @@ class RecordingController final : public hal::Controller {
     note("arm " + std::string(axis_name(axis)));
   }
   void disarm_home_latch(Axis axis) override { note("disarm " + std::string(axis_name(axis))); }
+  void arm_probe_latch() override { note("arm probe"); }
+  void disarm_probe_latch() override { note("disarm probe"); }
 
  private:
   void note(std::string call) { recording_.calls.push_back(std::move(call)); }

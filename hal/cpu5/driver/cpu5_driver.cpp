@@ -11,6 +11,18 @@ static_assert(firmware::kEstop == static_cast<Faults>(Fault::estop));
 static_assert(firmware::kBadSegment == static_cast<Faults>(Fault::bad_segment));
 static_assert(firmware::kLinkLost == static_cast<Faults>(Fault::link_lost));
 
+PathStop from_board(firmware::PathStop stop) {
+  switch (stop) {
+    case firmware::PathStop::none:
+      return PathStop::none;
+    case firmware::PathStop::stopping:
+      return PathStop::stopping;
+    case firmware::PathStop::stopped:
+      return PathStop::stopped;
+  }
+  return PathStop::stopped;  // a value that no board sends: safest is to move nothing
+}
+
 constexpr double seconds(firmware::Ticks ticks) {
   return static_cast<double>(ticks) / double{firmware::kTicksPerSecond};
 }
@@ -18,11 +30,9 @@ constexpr double seconds(firmware::Ticks ticks) {
 // The board refuses segments from 1 % above the frequency that the configuration may use: rounded
 // durations and the cubic's ripple around a constant speed must not trip it. What no board can
 // make, and what is not a number, still gets there as a number: refusing it is the board's part.
-firmware::Setup setup_for(const DriverSettings& settings) {
+firmware::StepVelocity max_velocity_for(const DriverSettings& settings) {
   const double limit = std::fmin(std::fmax(settings.max_step_frequency * 1.01, 0.0), 1e6);
-  return {.max_velocity = firmware::velocity_of_frequency(std::llround(limit)),
-          .host_timeout = std::llround(settings.host_timeout * double{firmware::kTicksPerSecond}),
-          .drives_off_on_fault = settings.drives_off_on_fault};
+  return firmware::velocity_of_frequency(std::llround(limit));
 }
 
 firmware::Outputs to_board(const Outputs& outputs) {
@@ -70,7 +80,7 @@ Cpu5Driver::Cpu5Driver(const config::MachineConfig& config, const DriverSettings
 
 Result<Capabilities> Cpu5Driver::connect() {
   if (auto checked = check_axes(); !checked) return std::unexpected(checked.error());
-  const auto opened = port_->open(setup_for(settings_));
+  const auto opened = port_->open(setup());
   if (!opened) return std::unexpected(opened.error());
   frame_.reset();
   clock_.reset();
@@ -80,6 +90,20 @@ Result<Capabilities> Cpu5Driver::connect() {
   return Capabilities{.fifo_capacity = firmware::kFifoCapacity,
                       .max_step_frequency = settings_.max_step_frequency,
                       .min_segment_duration = seconds(firmware::kMinSegmentTicks)};
+}
+
+// An axis without a motor loses nothing however hard it stops, so it sets no limit.
+firmware::Setup Cpu5Driver::setup() const {
+  firmware::Setup result{
+      .max_velocity = max_velocity_for(settings_),
+      .host_timeout = std::llround(settings_.host_timeout * double{firmware::kTicksPerSecond}),
+      .drives_off_on_fault = settings_.drives_off_on_fault};
+  for (const Axis axis : kAllAxes) {
+    if (!axes_[axis].connected()) continue;
+    result.max_acceleration[index_of(axis)] =
+        scales_[axis].to_step_acceleration(axes_[axis].acceleration);
+  }
+  return result;
 }
 
 Result<void> Cpu5Driver::check_axes() const {
@@ -119,10 +143,11 @@ const ControllerStatus& Cpu5Driver::exchange(double now) {
 // --- requests ------------------------------------------------------------------------------------
 
 std::size_t Cpu5Driver::free_segments() const {
-  const bool refused = status_.faults != 0 && !frame_.clear_faults;
-  if (!status_.connected || refused) return 0;
-  const std::size_t board_free =
-      frame_.quick_stop || frame_.clear_faults ? firmware::kFifoCapacity : board_.fifo_free;
+  const bool made_free = frame_.clear_faults || frame_.quick_stop || frame_.release_stop;
+  const bool in_fault = status_.faults != 0 && !frame_.clear_faults;
+  const bool held = status_.path_stop == PathStop::stopped && !made_free;
+  if (!status_.connected || in_fault || held) return 0;
+  const std::size_t board_free = made_free ? firmware::kFifoCapacity : board_.fifo_free;
   return board_free > frame_.segment_count ? board_free - frame_.segment_count : 0;
 }
 
@@ -150,6 +175,14 @@ void Cpu5Driver::set_outputs(const Outputs& outputs) {
 void Cpu5Driver::quick_stop() {
   drop_segments();
   frame_.quick_stop = true;
+}
+
+void Cpu5Driver::stop_along_path() { frame_.stop_along_path = true; }
+
+void Cpu5Driver::release_stop() {
+  if (status_.path_stop != PathStop::stopped) return;
+  drop_segments();
+  frame_.release_stop = true;
 }
 
 // Outputs asked for before the reset do not survive it: a spindle must not start because a fault
@@ -183,6 +216,16 @@ void Cpu5Driver::disarm_home_latch(Axis axis) {
   status_.home_latch[axis].armed = false;
 }
 
+void Cpu5Driver::arm_probe_latch() {
+  frame_.probe = firmware::ProbeRequest::arm;
+  status_.probe_latch = {.armed = true};
+}
+
+void Cpu5Driver::disarm_probe_latch() {
+  frame_.probe = firmware::ProbeRequest::disarm;
+  status_.probe_latch.armed = false;
+}
+
 // --- status --------------------------------------------------------------------------------------
 
 void Cpu5Driver::read_status() {
@@ -193,12 +236,13 @@ void Cpu5Driver::read_status() {
   status_.fifo_count = board_.fifo_count;
   status_.fifo_time = seconds(board_.queued_time);
   status_.moving = board_.moving;
+  status_.path_stop = from_board(board_.path_stop);
+  status_.time_scale = static_cast<double>(board_.time_scale) / double{firmware::kFullScale};
   status_.inputs = from_board(board_.inputs);
   status_.outputs = from_board(board_.outputs);
-  for (const Axis axis : kAllAxes) {
-    status_.position[axis] = scales_[axis].position_of(board_.counts[index_of(axis)]);
-  }
+  status_.position = position_of(board_.counts);
   read_latches();
+  read_probe_latch();
 }
 
 // A caught count is converted once, when it is first seen: a later set_position() must not move it.
@@ -210,6 +254,23 @@ void Cpu5Driver::read_latches() {
     latch.armed = caught.armed;
     latch.caught = caught.caught;
   }
+}
+
+void Cpu5Driver::read_probe_latch() {
+  const firmware::ProbeLatch& board = board_.probe_latch;
+  ProbeLatch& latch = status_.probe_latch;
+  if (board.caught && !latch.caught) latch.position = position_of(board.counts);
+  latch.armed = board.armed;
+  latch.caught = board.caught;
+  latch.active_at_arming = board.active_at_arming;
+}
+
+Position Cpu5Driver::position_of(const firmware::PerAxis<std::int64_t>& counts) const {
+  Position position;
+  for (const Axis axis : kAllAxes) {
+    position[axis] = scales_[axis].position_of(counts[index_of(axis)]);
+  }
+  return position;
 }
 
 }  // namespace cnc::hal::cpu5

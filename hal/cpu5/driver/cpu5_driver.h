@@ -1,8 +1,9 @@
 // The CPU5 board as a Controller: machine coordinates to steps and ticks, status back.
 //
-// Requests are collected in one frame and leave with the next exchange(), in the order stop, clear,
-// latches, outputs, segments. After a fault the board keeps its outputs safe: only set_outputs()
-// called after clear_faults(), in the same exchange or later, switches anything on again.
+// Requests are collected in one frame and leave with the next exchange(), in the order quick
+// stop, clear, release, stop along the path, latches, outputs, segments. After a fault the board
+// keeps its outputs safe: only set_outputs() called after clear_faults(), in the same exchange or
+// later, switches anything on again.
 #pragma once
 
 #include <memory>
@@ -37,18 +38,25 @@ class Cpu5Driver : public Controller {
 
   void set_outputs(const Outputs& outputs) override;
   void quick_stop() override;
+  void stop_along_path() override;
+  void release_stop() override;
   void clear_faults() override;
   bool set_position(Axis axis, double position) override;
 
   void arm_home_latch(Axis axis, LatchEdge edge) override;
   void disarm_home_latch(Axis axis) override;
+  void arm_probe_latch() override;
+  void disarm_probe_latch() override;
 
  private:
   [[nodiscard]] Result<void> check_axes() const;
+  [[nodiscard]] firmware::Setup setup() const;
   [[nodiscard]] firmware::Segment to_board(const Segment& segment);
   void drop_segments();
   void read_status();
   void read_latches();
+  void read_probe_latch();
+  [[nodiscard]] Position position_of(const firmware::PerAxis<std::int64_t>& counts) const;
 
   AxisArray<config::AxisConfig> axes_;
   DriverSettings settings_;

@@ -33,6 +33,14 @@ class MotorScale {
     return to_fixed(velocity * steps_per_unit_ / double{firmware::kTicksPerSecond});
   }
 
+  /// Unsigned; what is too high, or is not a number, becomes 0: no limit.
+  [[nodiscard]] firmware::StepAcceleration to_step_acceleration(double acceleration) const {
+    constexpr double kTick = 1.0 / double{firmware::kTicksPerSecond};
+    const double scaled = std::ldexp(std::abs(acceleration * steps_per_unit_) * kTick * kTick,
+                                     firmware::kAccelerationBits);
+    return scaled <= double{firmware::kTopAcceleration} ? std::llround(scaled) : 0;
+  }
+
  private:
   // What does not fit, or is not a number, becomes a value that the board refuses as a bad segment.
   [[nodiscard]] static std::int64_t to_fixed(double steps) {

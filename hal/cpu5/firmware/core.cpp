@@ -1,5 +1,6 @@
 #include "hal/cpu5/firmware/core.h"
 
+#include "hal/cpu5/firmware/path_stop.h"
 #include "hal/cpu5/firmware/slice_steps.h"
 
 namespace cnc::hal::cpu5::firmware {
@@ -17,6 +18,13 @@ bool slow_enough(const AxisMotion& motion, StepVelocity max_velocity) {
          within(motion.end_velocity, max_velocity) && peak_speed(motion) <= max_velocity;
 }
 
+bool in_range(const Setup& setup) {
+  for (const StepAcceleration limit : setup.max_acceleration) {
+    if (limit < 0 || limit > kTopAcceleration) return false;
+  }
+  return setup.max_velocity > 0 && setup.max_velocity <= kTopVelocity && setup.host_timeout >= 0;
+}
+
 }  // namespace
 
 Core::Core(BoardIo& io) : io_(io) {
@@ -25,9 +33,7 @@ Core::Core(BoardIo& io) : io_(io) {
 }
 
 bool Core::set_up(const Setup& setup) {
-  const bool valid =
-      setup.max_velocity > 0 && setup.max_velocity <= kTopVelocity && setup.host_timeout >= 0;
-  if (!valid || executing_ || !fifo_.empty()) return false;
+  if (!in_range(setup) || executing_ || !fifo_.empty()) return false;
   setup_ = setup;
   return true;
 }
@@ -40,7 +46,7 @@ void Core::host_alive() {
 }
 
 bool Core::push(const Segment& segment) {
-  if (faults_ != 0 || fifo_.free() == 0) return false;
+  if (faults_ != 0 || path_stop_ == PathStop::stopped || fifo_.free() == 0) return false;
   if (!acceptable(segment)) {
     fail(kBadSegment);
     return false;
@@ -70,6 +76,12 @@ bool Core::acceptable(const Segment& segment) const {
 
 void Core::quick_stop() { stop_pulses(); }
 
+void Core::stop_along_path() { begin_stop(); }
+
+void Core::release_stop() {
+  if (path_stop_ == PathStop::stopped) path_stop_ = PathStop::none;
+}
+
 void Core::clear_faults() {
   stop_pulses();
   faults_ = 0;
@@ -94,13 +106,20 @@ void Core::disarm_latch(std::size_t axis) {
   armed_axes_ &= static_cast<std::uint8_t>(~axis_bit(axis));
 }
 
+void Core::arm_probe() {
+  sample_inputs();
+  probe_ = {.armed = !inputs_.probe, .active_at_arming = inputs_.probe};
+  if (probe_.active_at_arming) begin_stop();
+}
+
+void Core::disarm_probe() { probe_.armed = false; }
+
 // --- time ----------------------------------------------------------------------------------------
 
 void Core::advance(Ticks ticks) {
   time_given_ += ticks;
   while (executing_ || start_next_segment()) {
-    const Ticks rest = segment_.duration - elapsed_;
-    const Ticks length = rest < kSliceTicks ? rest : kSliceTicks;
+    const Ticks length = slice_length();
     if (time_ + length > time_given_) return;
     time_ += length;
     run_slice(length);
@@ -136,36 +155,76 @@ bool Core::start_next_segment() {
   return true;
 }
 
+// While path time runs as time does, a slice ends with its segment at the latest.
+Ticks Core::slice_length() const {
+  if (time_scale_ != kFullScale) return kSliceTicks;
+  const Ticks rest = segment_.duration - (elapsed_ >> kPathFractionBits);
+  return rest < kSliceTicks ? rest : kSliceTicks;
+}
+
 void Core::run_slice(Ticks length) {
   sample_inputs();
   if (!executing_) return;
-  elapsed_ += length;
-  SliceSteps steps;
-  place_axes(steps);
-  emit(steps);
-  if (executing_ && elapsed_ == segment_.duration) finish_segment();
+  run_path(path_time_passing(length));
+  if (executing_ && time_scale_ == 0) complete_stop();
+}
+
+PathTime Core::path_time_passing(Ticks length) {
+  const TimeScale before = time_scale_;
+  if (path_stop_ == PathStop::stopping) time_scale_ -= scale_loss(length);
+  return length * (before + time_scale_) >> (1 + kScaleBits - kPathFractionBits);
+}
+
+TimeScale Core::scale_loss(Ticks length) const {
+  const Ticks elapsed = elapsed_ >> kPathFractionBits;
+  TimeScale loss = time_scale_;
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    if ((moving_axes_ & axis_bit(axis)) == 0) continue;
+    const PathDerivatives derivatives{.velocity = cubics_[axis].velocity_after(elapsed),
+                                      .acceleration = cubics_[axis].acceleration_after(elapsed)};
+    const TimeScale allowed =
+        allowed_loss(derivatives, setup_.max_acceleration[axis], time_scale_, length);
+    if (allowed < loss) loss = allowed;
+  }
+  return loss;
+}
+
+// Each segment's own piece of the way is stepped by itself, so that a corner is not cut.
+void Core::run_path(PathTime way) {
+  while (executing_) {
+    const PathTime rest = path_time(segment_.duration) - elapsed_;
+    const PathTime piece = way < rest ? way : rest;
+    elapsed_ += piece;
+    way -= piece;
+    SliceSteps steps;
+    place_axes(steps);
+    emit(steps);
+    if (executing_ && piece == rest) finish_segment();
+    if (way == 0 || (!executing_ && !start_next_segment())) return;
+  }
 }
 
 void Core::place_axes(SliceSteps& steps) {
-  const bool at_end = elapsed_ == segment_.duration;
+  const bool at_end = elapsed_ == path_time(segment_.duration);
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     if ((moving_axes_ & axis_bit(axis)) == 0) continue;
-    const StepPosition target =
-        at_end ? segment_.position[axis]
-               : start_position_[axis] + cubics_[axis].distance_after(elapsed_);
+    const StepPosition target = at_end
+                                    ? segment_.position[axis]
+                                    : start_position_[axis] + cubics_[axis].distance_at(elapsed_);
     steps.add(axis, position_[axis], target);
     position_[axis] = target;
   }
 }
 
-// An armed axis reads the inputs after each of its steps: the latch catches the very step at which
-// the switch changed, at any speed. An estop seen there ends the slice too.
+// An armed axis reads the inputs after each of its steps, an armed probe after every step: the
+// latch catches the very step at which the switch changed, at any speed. An estop seen there ends
+// the slice too.
 void Core::emit(SliceSteps& steps) {
   while (!steps.empty() && executing_) {
     const SliceSteps::Step step = steps.take();
     counts_[step.axis] += step.direction;
     io_.step(step.axis, step.direction);
-    if ((armed_axes_ & axis_bit(step.axis)) != 0) sample_inputs();
+    if (probe_.armed || (armed_axes_ & axis_bit(step.axis)) != 0) sample_inputs();
   }
 }
 
@@ -173,7 +232,9 @@ void Core::finish_segment() {
   executing_ = false;
   start_velocity_ = segment_.velocity;
   constexpr PerAxis<StepVelocity> kStandstill{};
-  if (fifo_.empty() && start_velocity_ != kStandstill) fail(kFifoUnderrun);
+  if (!fifo_.empty()) return;
+  if (start_velocity_ != kStandstill) return fail(kFifoUnderrun);
+  if (path_stop_ == PathStop::stopping) complete_stop();
 }
 
 // --- inputs and stops ----------------------------------------------------------------------------
@@ -182,6 +243,7 @@ void Core::sample_inputs() {
   const std::uint8_t home_before = inputs_.home;
   inputs_ = io_.inputs();
   if (armed_axes_ != 0 && inputs_.home != home_before) catch_latches(home_before);
+  if (probe_.armed && inputs_.probe) catch_probe();
   if (inputs_.estop) fail(kEstop);
 }
 
@@ -198,10 +260,31 @@ void Core::catch_latches(std::uint8_t home_before) {
   }
 }
 
+void Core::catch_probe() {
+  probe_.armed = false;
+  probe_.caught = true;
+  probe_.counts = counts_;
+  begin_stop();
+}
+
+// Between two calls of advance() an unfinished path is executing, so otherwise the machine stands.
+void Core::begin_stop() {
+  if (path_stop_ != PathStop::none) return;
+  path_stop_ = PathStop::stopping;
+  if (!executing_) complete_stop();
+}
+
+void Core::complete_stop() {
+  stop_pulses();
+  path_stop_ = PathStop::stopped;
+}
+
 // The position becomes the step on which each motor stands: what was still to be stepped is not
 // owed to anyone.
 void Core::stop_pulses() {
   executing_ = false;
+  path_stop_ = PathStop::none;
+  time_scale_ = kFullScale;
   fifo_.clear();
   fifo_ticks_ = 0;
   any_id_ = true;
@@ -225,15 +308,19 @@ Status Core::status() const {
   return {.time = time_,
           .faults = faults_,
           .executing_id = segment_.id,
-          .executing_elapsed = elapsed_,
+          .executing_elapsed = elapsed_ >> kPathFractionBits,
           .executing_duration = segment_.duration,
           .fifo_count = fifo_.size(),
           .fifo_free = fifo_.free(),
-          .queued_time = fifo_ticks_ + (executing_ ? segment_.duration - elapsed_ : 0),
+          .queued_time =
+              fifo_ticks_ + (executing_ ? segment_.duration - (elapsed_ >> kPathFractionBits) : 0),
           .moving = executing_ || !fifo_.empty(),
           .counts = counts_,
           .inputs = inputs_,
           .home_latch = latches_,
+          .probe_latch = probe_,
+          .path_stop = path_stop_,
+          .time_scale = time_scale_,
           .outputs = outputs_};
 }
 

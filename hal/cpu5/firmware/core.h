@@ -7,10 +7,15 @@
 // start; a slice is done when all of its time has been given. The steps made therefore do not
 // depend on how the time was cut into calls, and lag behind it by less than one slice.
 //
-// Rules for segments: id one above the last accepted (any but 0 after start, quick stop or cleared
+// Rules for segments: id one above the last accepted (any but 0 after start, any stop or cleared
 // faults; 0 is skipped when the number wraps), duration 1 … kMaxSegmentTicks, position within
 // kMaxPosition, and the speed nowhere above Setup::max_velocity. A segment that breaks one is never
 // executed: it is the fault kBadSegment.
+//
+// A stop along the path slows path time down until the machine stands (path_stop.h), then empties
+// the FIFO: no fault, and the step counts are where every motor is. What the host had under way for
+// the path before would now be wrong, so the board drops segments without a word until
+// release_stop(). The host asks for such a stop, or the probe latch begins one when it catches.
 //
 // Every fault stops the pulses at once, empties the FIFO, makes the outputs safe, and holds until
 // clear_faults(): meanwhile segments and outputs are refused. Where the pulses stopped is where the
@@ -39,16 +44,24 @@ class Core {
   /// The host was heard; it counts from the first call on.
   void host_alive();
 
-  /// False when the segment was not taken: FIFO full, fault pending, or bad (which is a fault
-  /// then).
+  /// False when the segment was not taken: FIFO full, fault pending, stopped along the path, or bad
+  /// (which is a fault then).
   bool push(const Segment& segment);
   void quick_stop();
+  /// At a standstill: stopped at once.
+  void stop_along_path();
+  /// Segments are taken again. Without effect while still stopping.
+  void release_stop();
   /// Stops as quick_stop() does, and forgets faults whose cause is gone.
   void clear_faults();
   /// Refused while a fault is pending.
   bool set_outputs(const Outputs& outputs);
   void arm_latch(std::size_t axis, Edge edge);
   void disarm_latch(std::size_t axis);
+  /// A probe that is active already is not waited for: the machine is stopped along its path
+  /// instead, so that no probing move starts with a probe that touches or is broken.
+  void arm_probe();
+  void disarm_probe();
 
   /// `ticks` >= 0 have passed since the last call.
   void advance(Ticks ticks);
@@ -60,11 +73,18 @@ class Core {
   [[nodiscard]] bool host_silent() const;
   bool start_next_segment();
   void finish_segment();
+  [[nodiscard]] Ticks slice_length() const;
   void run_slice(Ticks length);
+  PathTime path_time_passing(Ticks length);
+  [[nodiscard]] TimeScale scale_loss(Ticks length) const;
+  void run_path(PathTime way);
   void place_axes(SliceSteps& steps);
   void emit(SliceSteps& steps);
   void sample_inputs();
   void catch_latches(std::uint8_t home_before);
+  void catch_probe();
+  void begin_stop();
+  void complete_stop();
   void stop_pulses();
   void fail(FaultBits fault);
 
@@ -88,7 +108,9 @@ class Core {
 
   bool executing_ = false;
   Segment segment_;  // in execution, or the last executed
-  Ticks elapsed_ = 0;
+  PathTime elapsed_ = 0;
+  TimeScale time_scale_ = kFullScale;
+  PathStop path_stop_ = PathStop::none;
   PerAxis<Cubic> cubics_;
   std::uint8_t moving_axes_ = 0;
   PerAxis<StepPosition> start_position_{};  // of the segment in execution
@@ -98,6 +120,7 @@ class Core {
   PerAxis<std::int64_t> counts_{};
   PerAxis<HomeLatch> latches_{};
   std::uint8_t armed_axes_ = 0;
+  ProbeLatch probe_;
 };
 
 }  // namespace cnc::hal::cpu5::firmware

@@ -30,6 +30,32 @@ StepPosition Cubic::distance_after(Ticks elapsed) const {
   return value * (StepPosition{1} << kDroppedBits);
 }
 
+StepPosition Cubic::distance_at(PathTime elapsed) const {
+  constexpr PathTime kFractionMask = path_time(1) - 1;
+  const Ticks tick = elapsed >> kPathFractionBits;
+  const PathTime fraction = elapsed & kFractionMask;
+  const StepPosition here = distance_after(tick);
+  if (fraction == 0) return here;
+  return here + ((distance_after(tick + 1) - here) * fraction >> kPathFractionBits);
+}
+
+// p'(u) / T. The product with the time is T (p'(u) - p'(0)), so the bound on the speed holds it
+// below 2^61.
+StepVelocity Cubic::velocity_after(Ticks elapsed) const {
+  const std::int64_t bend = 3 * (cubic_ * elapsed / duration_) + 2 * quadratic_;
+  const std::int64_t slope = bend * elapsed / duration_ + linear_;
+  return slope * (std::int64_t{1} << kDroppedBits) / duration_;
+}
+
+// p''(u) / T^2, where |p''| <= 36 T kTopVelocity < 2^45. Half of the missing 32 bits come in before
+// either division.
+StepAcceleration Cubic::acceleration_after(Ticks elapsed) const {
+  constexpr std::int64_t kHalf = std::int64_t{1}
+                                 << (kAccelerationBits - kFractionBits + kDroppedBits) / 2;
+  const std::int64_t bend = 6 * (cubic_ * elapsed / duration_) + 2 * quadratic_;
+  return bend * kHalf / duration_ * kHalf / duration_;
+}
+
 // The velocity is a parabola with the Bernstein coefficients v0, m = 3 D / T - v0 - v1, v1. Its
 // vertex lies inside the segment when v0 - m and v1 - m have the same sign; there the velocity is
 // (v0 v1 - m^2) / ((v0 - m) + (v1 - m)). The square needs four bits less: |m| <= 5 kTopVelocity <

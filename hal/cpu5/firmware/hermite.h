@@ -33,6 +33,10 @@ class Cubic {
   /// Way made `elapsed` ticks after the segment's start. Within 2^-21 step of the true cubic; the
   /// caller takes the segment's stated end at its last tick, so the error never adds up.
   [[nodiscard]] StepPosition distance_after(Ticks elapsed) const;
+  /// The same between two ticks, on the straight line between them. `elapsed` is before the end.
+  [[nodiscard]] StepPosition distance_at(PathTime elapsed) const;
+  [[nodiscard]] StepVelocity velocity_after(Ticks elapsed) const;
+  [[nodiscard]] StepAcceleration acceleration_after(Ticks elapsed) const;
 
  private:
   std::int64_t linear_ = 0;

@@ -16,12 +16,26 @@ void execute_latch(LatchRequest request, std::size_t axis, Core& core) {
   }
 }
 
+void execute_probe(ProbeRequest request, Core& core) {
+  switch (request) {
+    case ProbeRequest::none:
+      return;
+    case ProbeRequest::arm:
+      return core.arm_probe();
+    case ProbeRequest::disarm:
+      return core.disarm_probe();
+  }
+}
+
 }  // namespace
 
 void HostFrame::reset() {
   quick_stop = false;
   clear_faults = false;
+  release_stop = false;
+  stop_along_path = false;
   latch = {};
+  probe = ProbeRequest::none;
   has_outputs = false;
   segment_count = 0;
 }
@@ -30,9 +44,12 @@ void execute(const HostFrame& frame, Core& core) {
   core.host_alive();
   if (frame.quick_stop) core.quick_stop();
   if (frame.clear_faults) core.clear_faults();
+  if (frame.release_stop) core.release_stop();
+  if (frame.stop_along_path) core.stop_along_path();
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     execute_latch(frame.latch[axis], axis, core);
   }
+  execute_probe(frame.probe, core);
   if (frame.has_outputs) core.set_outputs(frame.outputs);
   const std::uint32_t count =
       frame.segment_count < kFifoCapacity ? frame.segment_count : kFifoCapacity;

@@ -6,13 +6,17 @@
 namespace cnc::hal::cpu5::firmware {
 
 enum class LatchRequest : std::uint8_t { none, arm_activate, arm_release, disarm };
+enum class ProbeRequest : std::uint8_t { none, arm, disarm };
 
-/// The order of the members is the order of execution, so a frame can clear a fault, switch the
-/// drives on and start to move.
+/// The order of the members is the order of execution, so a frame can clear a fault or release a
+/// stop, switch the drives on and start to move.
 struct HostFrame {
   bool quick_stop = false;
   bool clear_faults = false;
+  bool release_stop = false;
+  bool stop_along_path = false;
   PerAxis<LatchRequest> latch{};
+  ProbeRequest probe = ProbeRequest::none;
   bool has_outputs = false;  ///< `outputs` counts; else they stay as they are
   Outputs outputs;
   std::uint32_t segment_count = 0;

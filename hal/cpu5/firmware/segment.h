@@ -53,11 +53,24 @@ struct HomeLatch {
   std::int64_t count = 0;
 };
 
+/// Where the board stands with a stop along the path (core.h).
+enum class PathStop : std::uint8_t { none, stopping, stopped };
+
+/// Catches the step counts of all axes at the step at which the probe input becomes active.
+struct ProbeLatch {
+  bool armed = false;
+  bool caught = false;
+  bool active_at_arming = false;
+  PerAxis<std::int64_t> counts{};
+};
+
 /// What the host decides once, before anything moves.
 struct Setup {
   StepVelocity max_velocity = 0;  ///< faster segments are refused; 1 … kTopVelocity
   Ticks host_timeout = 0;         ///< silence after which the link counts as lost; 0 = never
   bool drives_off_on_fault = true;
+  /// That a stop along the path keeps to; 1 … kTopAcceleration, 0 = the axis sets no limit.
+  PerAxis<StepAcceleration> max_acceleration{};
 };
 
 struct Status {
@@ -68,11 +81,14 @@ struct Status {
   Ticks executing_duration = 0;
   std::uint32_t fifo_count = 0;  ///< waiting, the executing one not counted
   std::uint32_t fifo_free = 0;
-  Ticks queued_time = 0;  ///< motion still to be made, the executing segment's rest included
+  Ticks queued_time = 0;  ///< path time still to be made, the executing segment's rest included
   bool moving = false;
   PerAxis<std::int64_t> counts{};  ///< steps since power-up; nothing ever sets them
   Inputs inputs{};
   PerAxis<HomeLatch> home_latch{};
+  ProbeLatch probe_latch{};
+  PathStop path_stop = PathStop::none;
+  TimeScale time_scale = kFullScale;
   Outputs outputs{};
 };
 
