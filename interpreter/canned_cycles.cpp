@@ -1,74 +1,103 @@
-// G73 G81 G82 G83 G85 G86 G89: drilling and boring (manual 3.4.21), in the XY, XZ or YZ plane.
-//
-// G74 and G84 need a feed that follows the spindle, G87 a spindle that stops at an angle, G88 a
-// retract by hand within the line: as long as the machine has none of these they are unknown codes.
+// G73 G74 G81 … G89: drilling, tapping and boring (manual 3.4.21) in the XY, XZ or YZ plane. Which
+// cycles there are, and the words of a line; the moves are in cycle_strokes.cpp.
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <fmt/format.h>
 
-#include "interpreter/arc_geometry.h"
+#include "interpreter/cycle_strokes.h"
 #include "interpreter/handlers.h"
 #include "interpreter/moves.h"
+#include "interpreter/spindle_moves.h"
 
 namespace cnc::interp {
 namespace {
 
-/// What happens between two steps of depth Q.
-enum class Peck : std::uint8_t {
-  none,        ///< one stroke to the bottom
-  clear_hole,  ///< out of the hole
-  break_chip,  ///< back by Q
-};
-enum class WayOut : std::uint8_t { rapid, feed, rapid_with_spindle_off };
+enum class SpindleNeed : std::uint8_t { none, turning, clockwise, counterclockwise };
 
 struct Cycle {
   std::int32_t code;
-  Peck peck;
-  WayOut out;
   WordSet sticky;  ///< words that the first line of the cycle must have, besides the depth
+  SpindleNeed spindle;
+  void (CycleStrokes::*make_hole)();
 };
 
+// F stands on the first line of a tapping cycle, where it is the pitch: a feed from before it,
+// meant for milling, would be a pitch of hundreds of millimetres.
 constexpr auto kCycles = std::to_array<Cycle>({
-    {730, Peck::break_chip, WayOut::rapid, words("RQ")},
-    {810, Peck::none, WayOut::rapid, words("R")},
-    {820, Peck::none, WayOut::rapid, words("RP")},
-    {830, Peck::clear_hole, WayOut::rapid, words("RQ")},
-    {850, Peck::none, WayOut::feed, words("R")},
-    {860, Peck::none, WayOut::rapid_with_spindle_off, words("RP")},
-    {890, Peck::none, WayOut::feed, words("RP")},
+    {730, words("RQ"), SpindleNeed::none, &CycleStrokes::drill_and_break},
+    {740, words("RF"), SpindleNeed::counterclockwise, &CycleStrokes::tap},
+    {810, words("R"), SpindleNeed::none, &CycleStrokes::drill},
+    {820, words("RP"), SpindleNeed::none, &CycleStrokes::drill},
+    {830, words("RQ"), SpindleNeed::none, &CycleStrokes::drill_and_clear},
+    {840, words("RF"), SpindleNeed::clockwise, &CycleStrokes::tap},
+    {850, words("R"), SpindleNeed::none, &CycleStrokes::bore},
+    {860, words("RP"), SpindleNeed::turning, &CycleStrokes::bore_and_stop},
+    {870, words("RIJK"), SpindleNeed::turning, &CycleStrokes::bore_upwards},
+    {880, words("RP"), SpindleNeed::turning, &CycleStrokes::bore_and_wait},
+    {890, words("RP"), SpindleNeed::none, &CycleStrokes::bore},
 });
 
-/// "Backed off a bit" (3.4.21.4) before the next step begins at feed rate, mm.
-constexpr double kBackOff = 0.25;
 /// A line is executed as a whole, so its strokes are bounded.
 constexpr double kMaxStrokes = 10'000.0;
+/// The coarsest standard taps have 4 threads per inch, 6.35 mm. An F above this is mm per minute
+/// from another control.
+constexpr double kMaxTapPitch = 10.0;
 
-/// Heights along the axis of the hole, work coordinates.
-struct Levels {
-  double retract;  ///< R
-  double bottom;
-  double clear;  ///< where the cycle ends
-};
+[[nodiscard]] bool needs(const Cycle& cycle, char letter) {
+  return (cycle.sticky & word_bit(letter)) != 0;
+}
+[[nodiscard]] bool taps(const Cycle& cycle) { return needs(cycle, 'F'); }
+[[nodiscard]] bool pecks(const Cycle& cycle) { return needs(cycle, 'Q'); }
+[[nodiscard]] bool bores_upwards(const Cycle& cycle) { return needs(cycle, 'K'); }
+
+/// I for X, J for Y, K for Z.
+[[nodiscard]] char distance_letter(Axis linear) {
+  return static_cast<char>('I' + (axis_name(linear)[0] - 'X'));
+}
 
 [[nodiscard]] char depth_letter(const Execution& x) {
   return axis_name(axes_of(x.state().modal.plane).third)[0];
 }
 
-Accepted check_missing(const Execution& x, WordSet needed) {
+/// Where a word that may stay from line to line stands, or else the code.
+[[nodiscard]] Span span_of(const Execution& x, char letter) {
+  return x.block().has(letter) ? x.block().span_of(letter) : x.code_span();
+}
+
+Accepted check_missing(const Execution& x, const Cycle& cycle) {
   const char depth = depth_letter(x);
-  for (const char letter : {depth, 'R', 'Q', 'P'}) {
-    const bool needs = letter == depth || (needed & word_bit(letter)) != 0;
-    if (!needs || x.block().has(letter)) continue;
+  for (const char letter : {depth, 'R', 'Q', 'P', 'F', 'I', 'J', 'K'}) {
+    if (x.block().has(letter) || (letter != depth && !needs(cycle, letter))) continue;
     return refuse(
         ErrorCode::word_missing, x.code_span(),
         fmt::format("{} needs the word {} where the cycle begins.", x.code_name(), letter),
-        "Words stay from line to line only within one cycle, plane and distance mode.");
+        letter == 'F' ? "F per revolution: the pitch."
+                      : "Words stay from line to line only within one cycle, plane and distance "
+                        "mode.");
   }
   return {};
 }
 
-/// The words of this line over those that stayed from the line before.
+/// Puts the words of this line over those that stayed from the line before.
+void read_words(const Execution& x, const Cycle& cycle, CycleWords& words) {
+  const Block& block = x.block();
+  const MachineState& state = x.state();
+  const PlaneAxes axes = axes_of(words.plane);
+  const auto read = [&](char letter, double scale, double& value) {
+    if (block.has(letter)) value = block.value(letter) * scale;
+  };
+  const double depth_scale = state.scale(axes.third);
+  read(depth_letter(x), depth_scale, words.bottom);
+  read('R', depth_scale, words.retract);
+  read('Q', depth_scale, words.peck);
+  read('P', 1.0, words.dwell);
+  if (taps(cycle)) read('F', state.scale(), words.pitch);
+  if (!bores_upwards(cycle)) return;
+  read(distance_letter(axes.first), state.scale(axes.first), words.insert_first);
+  read(distance_letter(axes.second), state.scale(axes.second), words.insert_second);
+  read(distance_letter(axes.third), depth_scale, words.back);
+}
+
 Parsed<CycleWords> cycle_words(const Execution& x, const Cycle& cycle) {
   const MachineState& state = x.state();
   const ModalState& modal = state.modal;
@@ -77,29 +106,32 @@ Parsed<CycleWords> cycle_words(const Execution& x, const Cycle& cycle) {
                        state.cycle.distance == modal.distance;
   if (goes_on) {
     words = state.cycle;
-  } else if (Accepted all = check_missing(x, cycle.sticky); !all) {
+  } else if (Accepted all = check_missing(x, cycle); !all) {
     return std::unexpected(all.error());
   }
-  const Block& block = x.block();
-  const char depth = depth_letter(x);
-  if (block.has(depth)) words.bottom = block.value(depth) * state.scale();
-  if (block.has('R')) words.retract = block.value('R') * state.scale();
-  if (block.has('Q')) words.peck = block.value('Q') * state.scale();
-  if (block.has('P')) words.dwell = block.value('P');
+  read_words(x, cycle, words);
   return words;
+}
+
+Accepted check_pitch(const Execution& x, double pitch) {
+  if (pitch > 0.0 && pitch <= kMaxTapPitch) return {};
+  return refuse(ErrorCode::word_out_of_range, span_of(x, 'F'),
+                fmt::format("{} cannot cut a thread of {:.10g} mm pitch: F is per revolution.",
+                            x.code_name(), pitch),
+                fmt::format("F above 0, up to {} mm.", kMaxTapPitch));
 }
 
 Accepted check_values(const Execution& x, const Cycle& cycle, const CycleWords& words) {
   if (words.dwell < 0.0) {
-    return refuse(ErrorCode::word_out_of_range, x.block().span_of('P'),
-                  "A dwell cannot be negative.", "P of 0 or more seconds.");
+    return refuse(ErrorCode::word_out_of_range, span_of(x, 'P'), "A dwell cannot be negative.",
+                  "P of 0 or more seconds.");
   }
-  if (cycle.peck != Peck::none && words.peck <= 0.0) {
-    return refuse(ErrorCode::word_out_of_range, x.block().span_of('Q'),
+  if (pecks(cycle) && words.peck <= 0.0) {
+    return refuse(ErrorCode::word_out_of_range, span_of(x, 'Q'),
                   fmt::format("{} cannot drill in steps of 0 or less.", x.code_name()),
                   "Q above 0.");
   }
-  return {};
+  return taps(cycle) ? check_pitch(x, words.pitch) : Accepted{};
 }
 
 Accepted check_axes(const Execution& x) {
@@ -108,46 +140,79 @@ Accepted check_axes(const Execution& x) {
     return refuse(ErrorCode::axis_words_missing, x.code_span(),
                   fmt::format("{} needs at least one of X Y Z.", x.code_name()), "X Y Z");
   }
-  const Position end = target(x);
-  for (const Axis axis : kRotaryAxes) {
-    if (std::abs(end[axis] - x.state().position[axis]) < kSamePoint) continue;
-    const char letter = axis_name(axis)[0];
-    return refuse(ErrorCode::cycle_turns_axis, block.span_of(letter),
-                  fmt::format("{} cannot turn {}.", x.code_name(), letter),
-                  "The turn on a line of its own, before the cycle.");
+  return check_rotary_axes_stay(x, target(x), ErrorCode::cycle_turns_axis);
+}
+
+Accepted check_spindle_turns(const Execution& x) {
+  if (x.state().modal.spindle != SpindleDirection::off) return {};
+  return refuse(ErrorCode::cycle_without_spindle, x.code_span(),
+                fmt::format("{} needs a turning spindle.", x.code_name()), "M3 or M4 before it.");
+}
+
+Accepted check_spindle_taps(const Execution& x, SpindleDirection direction) {
+  if (Accepted leads = check_spindle_leads(x); !leads) return leads;
+  if (x.state().modal.spindle == direction) return {};
+  const bool right_hand = direction == SpindleDirection::clockwise;
+  return refuse(
+      ErrorCode::tapping_direction, x.code_span(),
+      fmt::format("{} taps a {}-hand thread: the spindle must turn {}.", x.code_name(),
+                  right_hand ? "right" : "left", right_hand ? "clockwise" : "counter-clockwise"),
+      right_hand ? "M3 before it; G74 for a left-hand thread."
+                 : "M4 before it; G84 for a right-hand thread.");
+}
+
+Accepted check_spindle(const Execution& x, SpindleNeed need) {
+  switch (need) {
+    case SpindleNeed::none:
+      return {};
+    case SpindleNeed::turning:
+      return check_spindle_turns(x);
+    case SpindleNeed::clockwise:
+      return check_spindle_taps(x, SpindleDirection::clockwise);
+    case SpindleNeed::counterclockwise:
+      return check_spindle_taps(x, SpindleDirection::counterclockwise);
   }
   return {};
 }
 
 Accepted check_modes(const Execution& x, const Cycle& cycle) {
-  const ModalState& modal = x.state().modal;
-  if (modal.feed_mode == FeedMode::inverse_time) {
+  if (x.state().modal.feed_mode == FeedMode::inverse_time) {
     return refuse(ErrorCode::cycle_in_inverse_time, x.code_span(),
                   fmt::format("{} cannot use inverse time feed (G93).", x.code_name()),
                   "G94 and F before it.");
   }
-  if (cycle.out == WayOut::rapid_with_spindle_off && modal.spindle == SpindleDirection::off) {
-    return refuse(ErrorCode::cycle_without_spindle, x.code_span(),
-                  fmt::format("{} needs a turning spindle.", x.code_name()), "M3 or M4 before it.");
-  }
-  return check_feed(x);
+  if (Accepted spindle = check_spindle(x, cycle.spindle); !spindle) return spindle;
+  return taps(cycle) ? Accepted{} : check_feed(x);
 }
 
-/// Under G91 R counts from where the tool is, the depth from R.
-Parsed<Levels> levels_of(const Execution& x, const CycleWords& words) {
+Accepted check_back(const Execution& x, const CycleLevels& levels) {
+  if (levels.back >= levels.bottom && levels.back <= levels.retract) return {};
+  const char letter = distance_letter(axes_of(x.state().modal.plane).third);
+  return refuse(ErrorCode::word_out_of_range, span_of(x, letter),
+                fmt::format("{} cannot bore from the bottom up to there.", x.code_name()),
+                fmt::format("{} between {} and R.", letter, depth_letter(x)));
+}
+
+/// Under G91 R counts from where the tool is, the depth from R, K of G87 from the depth.
+Parsed<CycleLevels> levels_of(const Execution& x, const Cycle& cycle, const CycleWords& words) {
   const ModalState& modal = x.state().modal;
   const double old = x.state().work_position()[axes_of(modal.plane).third];
   const bool incremental = modal.distance == DistanceMode::incremental;
-  Levels levels{};
+  CycleLevels levels;
   levels.retract = incremental ? old + words.retract : words.retract;
   levels.bottom = incremental ? levels.retract + words.bottom : words.bottom;
   const bool to_old = modal.retract == RetractMode::old_position;
   levels.clear = to_old ? std::max(old, levels.retract) : levels.retract;
-  if (levels.retract >= levels.bottom) return levels;
-  return refuse(
-      ErrorCode::cycle_retract_below_bottom, x.code_span(),
-      fmt::format("The retract position of {} is below the bottom of the hole.", x.code_name()),
-      fmt::format("R at or above {}.", depth_letter(x)));
+  levels.back = incremental ? levels.bottom + words.back : words.back;
+  if (levels.retract < levels.bottom) {
+    return refuse(
+        ErrorCode::cycle_retract_below_bottom, x.code_span(),
+        fmt::format("The retract position of {} is below the bottom of the hole.", x.code_name()),
+        fmt::format("R at or above {}.", depth_letter(x)));
+  }
+  if (!bores_upwards(cycle)) return levels;
+  if (Accepted back = check_back(x, levels); !back) return std::unexpected(back.error());
+  return levels;
 }
 
 Parsed<std::int32_t> repeats_of(const Execution& x) {
@@ -160,105 +225,24 @@ Parsed<std::int32_t> repeats_of(const Execution& x) {
 }
 
 Accepted check_strokes(const Execution& x, const Cycle& cycle, const CycleWords& words,
-                       const Levels& levels, std::int32_t repeats) {
+                       const CycleLevels& levels, std::int32_t repeats) {
   const double depth = levels.retract - levels.bottom;
-  const double per_hole = cycle.peck == Peck::none ? 1.0 : std::max(1.0, depth / words.peck);
+  const double per_hole = pecks(cycle) ? std::max(1.0, depth / words.peck) : 1.0;
   if (per_hole * repeats <= kMaxStrokes) return {};
   return refuse(ErrorCode::word_out_of_range, x.code_span(),
                 fmt::format("{} would take {:.0f} strokes.", x.code_name(), per_hole * repeats),
                 fmt::format("At most {:.0f} on a line: a larger Q, a smaller L.", kMaxStrokes));
 }
 
-/// The moves of one line. Positions are work coordinates until they are emitted, so that the hole
-/// lies where the work lies.
-class Drilling {
- public:
-  Drilling(Execution& x, const Cycle& cycle, const CycleWords& words, const Levels& levels)
-      : x_(x),
-        cycle_(cycle),
-        words_(words),
-        levels_(levels),
-        axes_(axes_of(words.plane)),
-        at_(x.state().work_position()) {}
-
-  void run(std::int32_t repeats) {
-    if (at_[axes_.third] < levels_.retract) rapid_to(levels_.retract);
-    for (std::int32_t i = 0; i < repeats; ++i) {
-      go_over_hole();
-      rapid_to(levels_.retract);
-      go_down();
-      if (words_.dwell > 0.0) x_.emit(Dwell{words_.dwell});
-      go_out();
-    }
+void make_holes(Execution& x, const Cycle& cycle, const CycleWords& words,
+                const CycleLevels& levels, std::int32_t repeats) {
+  CycleStrokes strokes(x, words, levels);
+  strokes.begin();
+  for (std::int32_t i = 0; i < repeats; ++i) {
+    strokes.go_over_hole();
+    (strokes.*cycle.make_hole)();
   }
-
- private:
-  void go_over_hole() {
-    Position over = at_;
-    for (const Axis axis : {axes_.first, axes_.second}) {
-      if (!x_.block().has(axis)) continue;
-      const double value = x_.block().value(axis) * x_.state().scale();
-      over[axis] = words_.distance == DistanceMode::incremental ? at_[axis] + value : value;
-    }
-    if (linear_length(over - at_) < kSamePoint) return;
-    at_ = over;
-    move_rapid(x_, machine_position());
-  }
-
-  void go_down() {
-    if (cycle_.peck != Peck::none) peck();
-    feed_to(levels_.bottom);
-  }
-
-  // Depths are counted from R, not added up, so that rounding makes no extra step.
-  void peck() {
-    for (double step = 1.0;; step += 1.0) {
-      const double depth = levels_.retract - step * words_.peck;
-      if (depth <= levels_.bottom + kSamePoint) return;
-      const double up = cycle_.peck == Peck::clear_hole ? levels_.clear : depth + words_.peck;
-      feed_to(depth);
-      rapid_to(up);
-      rapid_to(std::min({depth + kBackOff, up, levels_.retract}));
-    }
-  }
-
-  void go_out() {
-    switch (cycle_.out) {
-      case WayOut::rapid:
-        rapid_to(levels_.clear);
-        return;
-      case WayOut::feed:
-        feed_to(levels_.clear);
-        return;
-      case WayOut::rapid_with_spindle_off:
-        x_.emit(TurnSpindle{SpindleDirection::off});
-        rapid_to(levels_.clear);
-        x_.emit(TurnSpindle{x_.state().modal.spindle});
-        return;
-    }
-  }
-
-  void rapid_to(double level) {
-    if (reach(level)) move_rapid(x_, machine_position());
-  }
-  void feed_to(double level) {
-    if (reach(level)) move_feed(x_, machine_position());
-  }
-  /// False when the tool is there already.
-  bool reach(double level) {
-    if (std::abs(level - at_[axes_.third]) < kSamePoint) return false;
-    at_[axes_.third] = level;
-    return true;
-  }
-  [[nodiscard]] Position machine_position() const { return x_.state().coordinates.to_machine(at_); }
-
-  Execution& x_;
-  const Cycle& cycle_;
-  const CycleWords& words_;
-  const Levels& levels_;
-  PlaneAxes axes_;
-  Position at_;
-};
+}
 
 }  // namespace
 
@@ -269,19 +253,13 @@ Accepted canned_cycle(Execution& x) {
   if (!words) return std::unexpected(words.error());
   if (Accepted values = check_values(x, cycle, *words); !values) return values;
   if (Accepted modes = check_modes(x, cycle); !modes) return modes;
-  const auto levels = levels_of(x, *words);
+  const auto levels = levels_of(x, cycle, *words);
   if (!levels) return std::unexpected(levels.error());
   const auto repeats = repeats_of(x);
   if (!repeats) return std::unexpected(repeats.error());
   if (Accepted few = check_strokes(x, cycle, *words, *levels, *repeats); !few) return few;
 
-  // As in NIST RS274/NGC holes are drilled in exact path mode: a rounded corner between rapid and
-  // feed would cut the way to R short.
-  const SetPathMode path = x.state().modal.path;
-  const bool rounds_corners = path.mode == PathMode::continuous;
-  if (rounds_corners) x.emit(SetPathMode{});
-  Drilling(x, cycle, *words, *levels).run(*repeats);
-  if (rounds_corners) x.emit(path);
+  in_exact_path(x, [&] { make_holes(x, cycle, *words, *levels, *repeats); });
   x.state().cycle = *words;
   x.state().modal.motion = cycle.code;
   return {};

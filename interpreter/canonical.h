@@ -64,7 +64,8 @@ struct ProbeMove {
 };
 
 /// G33 G33.1 G74 G76 G84: straight, `pitch` mm of way per turn of the spindle, begun at its index
-/// pulse, so that the next pass meets the thread of the one before.
+/// pulse, so that the next pass meets the thread of the one before. One that follows another
+/// directly belongs to the same thread: it goes on without waiting for the pulse.
 struct SyncMove {
   Position end;
   double pitch = 0.0;

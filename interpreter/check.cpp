@@ -115,6 +115,10 @@ class Checker {
       arrive(move->end);
     } else if (const auto* feed = std::get_if<FeedMove>(&command.body)) {
       cut(feed->end);
+    } else if (const auto* thread = std::get_if<SyncMove>(&command.body)) {
+      cut(thread->end);
+    } else if (const auto* probe = std::get_if<ProbeMove>(&command.body)) {
+      arrive(probe->end);
     } else if (const auto* arc = std::get_if<ArcMove>(&command.body)) {
       report_.cutting.add(position_);
       add_quadrants(report_.cutting, position_, *arc);

@@ -9,6 +9,9 @@ namespace {
 
 constexpr std::int32_t kG0 = 0;
 constexpr std::int32_t kG1 = 10;
+constexpr std::int32_t kG2 = 20;
+constexpr std::int32_t kG3 = 30;
+constexpr std::int32_t kProbe = 382;  // G38.2
 constexpr std::int32_t kG80 = 800;
 
 [[nodiscard]] char first_letter(WordSet set) {
@@ -16,6 +19,8 @@ constexpr std::int32_t kG80 = 800;
 }
 
 [[nodiscard]] bool is_straight(std::int32_t motion) { return motion == kG0 || motion == kG1; }
+
+[[nodiscard]] bool is_arc(std::int32_t motion) { return motion == kG2 || motion == kG3; }
 
 [[nodiscard]] bool takes_axes(const Code& code) { return code.axes != AxisUse::none; }
 
@@ -28,7 +33,7 @@ constexpr std::int32_t kG80 = 800;
 
 /// A full circle needs no end point: "G2 I5".
 [[nodiscard]] bool is_full_circle(const Block& block, const Code& motion) {
-  return (motion.uses & words("IJK") & block.words()) != 0;
+  return is_arc(motion.number) && (block.words() & words("IJK")) != 0;
 }
 
 Accepted check_axes_of(Block& block, Step step) {
@@ -52,9 +57,10 @@ Accepted check_machine_coordinates(const Block& block, const ModalState& modal) 
   }
   const std::int32_t motion =
       block.has(Step::motion) ? block.code(Step::motion).number : modal.motion;
-  if (is_straight(motion)) return {};
+  if (is_straight(motion) || motion == kProbe) return {};
   return refuse(ErrorCode::machine_move_not_straight, span,
-                "G53 moves in machine coordinates with G0 or G1 only.", "G0 or G1 on this line.");
+                "G53 moves in machine coordinates with G0, G1 or G38.2 only.",
+                "G0, G1 or G38.2 on this line.");
 }
 
 /// "G0 G91 G28 Z0", with which post processors end: G0 is how G28 moves anyway, so it only sets the

@@ -9,9 +9,13 @@ namespace cnc::interp {
 
 class Execution;
 
+// feed and speed (feed_and_speed.cpp)
+Accepted set_feed_mode(Execution& x);     // G93 G94 G95
+Accepted set_feed(Execution& x);          // F
+Accepted set_spindle_mode(Execution& x);  // G96 G97
+Accepted set_speed(Execution& x);         // S
+
 // words and comments (machine_functions.cpp)
-Accepted set_feed(Execution& x);
-Accepted set_speed(Execution& x);
 Accepted select_tool(Execution& x);
 Accepted show_comment(Execution& x);
 
@@ -23,8 +27,16 @@ Accepted cancel_motion(Execution& x);  // G80
 Accepted dwell(Execution& x);          // G4
 Accepted go_home(Execution& x);        // G28 G30
 
+// motion that follows the spindle (spindle_moves.cpp, threading.cpp)
+Accepted spindle_move(Execution& x);                 // G33
+Accepted spindle_move_there_and_back(Execution& x);  // G33.1
+Accepted threading_cycle(Execution& x);              // G76
+
+// probing (probing.cpp)
+Accepted probe(Execution& x);  // G38.2
+
 // canned cycles (canned_cycles.cpp)
-Accepted canned_cycle(Execution& x);  // G73 G81 G82 G83 G85 G86 G89
+Accepted canned_cycle(Execution& x);  // G73 G74 G81 … G89
 
 // modes (modes.cpp)
 Accepted select_plane(Execution& x);                // G17 G18 G19
@@ -35,7 +47,6 @@ Accepted switch_contouring(Execution& x);           // M21 M22 of pscnc
 Accepted set_distance_mode(Execution& x);           // G90 G91
 Accepted set_arc_distance_mode(Execution& x);       // G90.1 G91.1
 Accepted set_retract_mode(Execution& x);            // G98 G99
-Accepted set_feed_mode(Execution& x);               // G93 G94
 Accepted use_machine_coordinates(Execution& x);     // G53
 
 // rotation and scaling (rotation.cpp)

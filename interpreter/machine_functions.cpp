@@ -1,4 +1,4 @@
-// F S T, comments and the M codes: everything but motion and coordinates.
+// T, comments and the M codes: everything but motion, coordinates, F and S.
 #include <fmt/format.h>
 
 #include "interpreter/execution.h"
@@ -6,15 +6,6 @@
 
 namespace cnc::interp {
 namespace {
-
-constexpr double kSecondsPerMinute = 60.0;
-
-Accepted check_not_negative(const Execution& x, char letter, std::string_view what) {
-  if (x.block().value(letter) >= 0.0) return {};
-  return refuse(ErrorCode::word_out_of_range, x.block().span_of(letter),
-                fmt::format("{} cannot be negative.", what),
-                fmt::format("{} of 0 or more.", letter));
-}
 
 void use_spindle(Execution& x, SpindleDirection direction) {
   x.state().modal.spindle = direction;
@@ -27,42 +18,22 @@ void use_coolant(Execution& x, bool mist, bool flood) {
   x.emit(SetCoolant{mist, flood});
 }
 
-/// The unit of lengths on this line, which table 3-7 sets after F: "G21 F600" on a machine that
-/// stands in inches must not become 600 inches per minute.
-[[nodiscard]] double line_scale(const Execution& x) {
-  if (!x.block().has(Step::units)) return x.state().scale();
-  const std::int32_t code = x.block().code(Step::units).number;
-  return millimetres_per(code == 200 || code == 700 ? LengthUnit::inch : LengthUnit::millimetre);
+// Not in the manual's list, which is older than its G96. If it stayed, "S1000 M3" of the next
+// program would be 1000 m/min.
+void forget_surface_speed(Execution& x) {
+  ModalState& modal = x.state().modal;
+  modal.max_speed.reset();
+  if (!modal.speed_by_surface) return;
+  modal.speed_by_surface = false;
+  modal.surface_speed = 0.0;
+  modal.speed = 0.0;
+  x.emit(SetSpindleSpeed{0.0});
 }
 
 }  // namespace
 
 Accepted show_comment(Execution& x) {
   x.emit(x.block().comment());
-  return {};
-}
-
-Accepted set_feed(Execution& x) {
-  if (Accepted positive = check_not_negative(x, 'F', "The feed rate"); !positive) return positive;
-  ModalState& modal = x.state().modal;
-  const double per_second = x.block().value('F') / kSecondsPerMinute;
-  if (modal.feed_mode == FeedMode::inverse_time) {
-    modal.feed = per_second;
-  } else {
-    modal.linear_feed = per_second * line_scale(x);
-    modal.rotary_feed = per_second;
-    modal.feed = modal.linear_feed;
-  }
-  x.emit(SetFeedRate{modal.feed_mode, modal.feed});
-  return {};
-}
-
-Accepted set_speed(Execution& x) {
-  if (Accepted positive = check_not_negative(x, 'S', "The spindle speed"); !positive) {
-    return positive;
-  }
-  x.state().modal.speed = x.block().value('S');
-  x.emit(SetSpindleSpeed{x.state().modal.speed});
   return {};
 }
 
@@ -128,6 +99,7 @@ Accepted end_program(Execution& x) {
     modal.feed_mode = FeedMode::per_minute;
     modal.feed = modal.linear_feed = modal.rotary_feed = 0.0;
   }
+  forget_surface_speed(x);
   modal.plane = Plane::xy;
   modal.distance = DistanceMode::absolute;
   modal.overrides_enabled = true;

@@ -27,8 +27,16 @@ constexpr std::array<std::string_view, 3> kSpindle{"M5", "M3", "M4"};
 
 /// F as it was written.
 [[nodiscard]] double programmed_feed(const ModalState& modal) {
-  if (modal.feed_mode == FeedMode::inverse_time) return modal.feed * 60.0;
-  return modal.linear_feed * 60.0 / millimetres_per(modal.unit);
+  constexpr double kSecondsPerMinute = 60.0;
+  if (modal.feed_mode == FeedMode::inverse_time) return modal.feed * kSecondsPerMinute;
+  const double feed = modal.linear_feed / millimetres_per(modal.unit);
+  return modal.feed_mode == FeedMode::per_revolution ? feed : feed * kSecondsPerMinute;
+}
+
+/// S as it was written.
+[[nodiscard]] double programmed_speed(const ModalState& modal) {
+  if (!modal.speed_by_surface) return modal.speed;
+  return modal.surface_speed / surface_speed_unit(modal.unit);
 }
 
 }  // namespace
@@ -51,13 +59,14 @@ std::string ModalState::active_codes() const {
   if (scaled) add("G51");
   if (retract == RetractMode::r_position) add("G99");
   add(name_in(kFeedModes, feed_mode));
+  add(speed_by_surface ? "G96" : "G97");
   add(name_in(kSpindle, spindle));
   if (mist) add("M7");
   if (flood) add("M8");
   if (!mist && !flood) add("M9");
   add(overrides_enabled ? "M48" : "M49");
   fmt::format_to(std::back_inserter(text), " T{} F{} S{}", tool,
-                 number_text(programmed_feed(*this)), number_text(speed));
+                 number_text(programmed_feed(*this)), number_text(programmed_speed(*this)));
   return text;
 }
 

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 #include "config/plane.h"
@@ -20,6 +21,15 @@ inline constexpr double kMillimetresPerInch = 25.4;
   return unit == LengthUnit::inch ? kMillimetresPerInch : 1.0;
 }
 
+/// What S counts under G96, mm/s: metres per minute, or feet per minute.
+[[nodiscard]] constexpr double surface_speed_unit(LengthUnit unit) {
+  constexpr double kMillimetresPerMetre = 1000.0;
+  constexpr double kMillimetresPerFoot = 304.8;
+  constexpr double kSecondsPerMinute = 60.0;
+  const double way = unit == LengthUnit::inch ? kMillimetresPerFoot : kMillimetresPerMetre;
+  return way / kSecondsPerMinute;
+}
+
 struct ModalState {
   std::int32_t motion = 800;  ///< ten times the G number of group 1; G80 = none
   Plane plane = Plane::xy;
@@ -29,8 +39,8 @@ struct ModalState {
   RetractMode retract = RetractMode::old_position;
   FeedMode feed_mode = FeedMode::per_minute;
   double feed = 0.0;         ///< as last said by SetFeedRate; 0 = not programmed in this mode
-  double linear_feed = 0.0;  ///< F of G94 for moves with X Y Z, mm/s
-  double rotary_feed = 0.0;  ///< F of G94 for moves of rotary axes only, deg/s: never inches
+  double linear_feed = 0.0;  ///< F of G94 for moves with X Y Z, mm/s; of G95, mm per revolution
+  double rotary_feed = 0.0;  ///< F for moves of rotary axes only, degrees instead: never inches
   SetPathMode path;
   LengthSource length_source = LengthSource::none;
   std::int32_t length_tool = 0;  ///< H of G43 H
@@ -39,15 +49,18 @@ struct ModalState {
   bool rotated = false;  ///< G68
   bool scaled = false;   ///< G51
   SpindleDirection spindle = SpindleDirection::off;
-  double speed = 0.0;  ///< rpm
+  double speed = 0.0;               ///< S of G97, rpm
+  bool speed_by_surface = false;    ///< G96
+  double surface_speed = 0.0;       ///< S of G96, mm/s
+  std::optional<double> max_speed;  ///< D of G96, rpm
   bool mist = false;
   bool flood = false;
   std::int32_t tool = 0;           ///< in the spindle
   std::int32_t selected_tool = 0;  ///< by T, for the next M6
   bool overrides_enabled = true;
 
-  /// "G1 G17 G21 G40 G49 G54 G61 G90 G94 M5 M9 M48 T1 F300 S12000": for displays, F in program
-  /// units per minute.
+  /// "G1 G17 G21 G40 G49 G54 G61 G90 G94 G97 M5 M9 M48 T1 F300 S12000": for displays, F and S as
+  /// they were written.
   [[nodiscard]] std::string active_codes() const;
 };
 

@@ -1,4 +1,4 @@
-// G17-G21, G40, G61-G64, G90-G94, G98, G99, G53: what only changes how later words are read.
+// G17-G21, G40, G61-G64, G90, G91, G98, G99, G53: what only changes how later words are read.
 #include <fmt/format.h>
 
 #include "interpreter/execution.h"
@@ -79,18 +79,6 @@ Accepted set_arc_distance_mode(Execution& x) {
 
 Accepted set_retract_mode(Execution& x) {
   x.state().modal.retract = x.code() == 980 ? RetractMode::old_position : RetractMode::r_position;
-  return {};
-}
-
-// The number behind F means something else in the other mode, so it does not survive the change.
-Accepted set_feed_mode(Execution& x) {
-  ModalState& modal = x.state().modal;
-  const FeedMode mode = x.code() == 930 ? FeedMode::inverse_time : FeedMode::per_minute;
-  if (mode == modal.feed_mode) return {};
-  modal.feed_mode = mode;
-  modal.feed = 0.0;
-  modal.linear_feed = 0.0;
-  modal.rotary_feed = 0.0;
   return {};
 }
 

@@ -1,6 +1,9 @@
 #include "interpreter/moves.h"
 
+#include <cmath>
 #include <fmt/format.h>
+
+#include "interpreter/arc_geometry.h"
 
 namespace cnc::interp {
 namespace {
@@ -68,15 +71,33 @@ Accepted check_feed(const Execution& x) {
         fmt::format("{} needs F on its own line: G93 (inverse time) is active.", x.code_name()),
         "F on every line with G1 G2 G3.");
   }
+  if (modal.feed_mode == FeedMode::per_revolution && modal.spindle == SpindleDirection::off) {
+    return refuse(ErrorCode::feed_without_spindle, x.code_span(),
+                  fmt::format("{} would never end: its feed is per revolution (G95) and the "
+                              "spindle is off.",
+                              x.code_name()),
+                  "M3 or M4 before it, or G94.");
+  }
   if (modal.feed > 0.0) return {};
   return refuse(ErrorCode::feed_not_set, x.code_span(),
                 fmt::format("{} without a feed rate.", x.code_name()),
                 "F above 0, on this line or before it.");
 }
 
+Accepted check_rotary_axes_stay(const Execution& x, const Position& end, ErrorCode code) {
+  for (const Axis axis : kRotaryAxes) {
+    if (std::abs(end[axis] - x.state().position[axis]) < kSamePoint) continue;
+    const char letter = axis_name(axis)[0];
+    return refuse(code, x.block().span_of(letter),
+                  fmt::format("{} cannot turn {}.", x.code_name(), letter),
+                  fmt::format("The turn on a line of its own, before {}.", x.code_name()));
+  }
+  return {};
+}
+
 void use_feed_for(Execution& x, const Position& end) {
   ModalState& modal = x.state().modal;
-  if (modal.feed_mode != FeedMode::per_minute || modal.linear_feed == modal.rotary_feed) return;
+  if (modal.feed_mode == FeedMode::inverse_time || modal.linear_feed == modal.rotary_feed) return;
   const bool rotary = turns_rotary_axes_only(x.state().position, end);
   const double wanted = rotary ? modal.rotary_feed : modal.linear_feed;
   if (modal.feed == wanted) return;

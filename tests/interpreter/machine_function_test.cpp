@@ -88,15 +88,15 @@ TEST_CASE("Modal state is kept from program to program until reset", "[STA-2]") 
   run_text("X1\n");
   CHECK(interpreter.position()[Axis::X] == 2.0);
   CHECK(interpreter.modal().active_codes() ==
-        "G1 G17 G21 G40 G49 G54 G61 G91 G94 M5 M9 M48 T0 F600 S0");
+        "G1 G17 G21 G40 G49 G54 G61 G91 G94 G97 M5 M9 M48 T0 F600 S0");
   interpreter.set_tool_in_spindle(7);
   interpreter.reset();
   CHECK(interpreter.modal().active_codes() ==
-        "G80 G17 G21 G40 G49 G54 G61 G90 G94 M5 M9 M48 T7 F0 S0");
+        "G80 G17 G21 G40 G49 G54 G61 G90 G94 G97 M5 M9 M48 T7 F0 S0");
 }
 
 TEST_CASE("Active codes are shown in program units", "[GUI-2]") {
   CHECK_THAT(run("G20\nF10\nG1 A5\n").modal.active_codes(), Catch::Matchers::Contains(" F10 "));
   CHECK(run("G20\nG64 F10\nG43 H2\nG59.2 G90.1 M7\nG92 X1\n").modal.active_codes() ==
-        "G80 G17 G20 G40 G43 H2 G59.2 G64 G90 G90.1 G92 G94 M5 M7 M48 T0 F10 S0");
+        "G80 G17 G20 G40 G43 H2 G59.2 G64 G90 G90.1 G92 G94 G97 M5 M7 M48 T0 F10 S0");
 }

@@ -1,11 +1,63 @@
 #include "tests/interpreter/support.h"
 
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
 #include <sstream>
 
 namespace cnc::interp::test {
+namespace {
+
+struct ShortText {
+  std::string operator()(const RapidMove& c) const { return "rapid" + point(c.end); }
+  std::string operator()(const FeedMove& c) const { return "feed" + point(c.end); }
+  std::string operator()(const ProbeMove& c) const { return "probe" + point(c.end); }
+  std::string operator()(const SyncMove& c) const {
+    return fmt::format("thread{} by {:g}", point(c.end), c.pitch);
+  }
+  std::string operator()(const Dwell& c) const { return fmt::format("dwell {:g}", c.duration); }
+  std::string operator()(const TurnSpindle& c) const {
+    return c.direction == SpindleDirection::off         ? "spindle off"
+           : c.direction == SpindleDirection::clockwise ? "spindle cw"
+                                                        : "spindle ccw";
+  }
+  std::string operator()(const OrientSpindle&) const { return "orient"; }
+  std::string operator()(const ProgramStop&) const { return "stop"; }
+  template <typename Other>
+  std::string operator()(const Other&) const {
+    return {};
+  }
+
+ private:
+  static std::string point(const Position& p) {
+    return fmt::format(" {:g} {:g} {:g}", shown(p[Axis::X]), shown(p[Axis::Y]), shown(p[Axis::Z]));
+  }
+  /// No traces of rounding: 1e-16 and -0 are 0.
+  static double shown(double value) { return std::abs(value) < 1e-9 ? 0.0 : value; }
+};
+
+}  // namespace
+
+std::string moves_of(Bench& bench, std::string_view text) {
+  std::vector<std::string> moves;
+  CheckOptions options;
+  options.sink = [&](const Command& command) {
+    if (std::string move = std::visit(ShortText{}, command.body); !move.empty()) {
+      moves.push_back(std::move(move));
+    }
+  };
+  const auto program = Program::from_text(std::string(text), "test.ngc").value();
+  const CheckReport report =
+      check(program, bench.settings, bench.parameters, bench.tools, bench.start, options);
+  if (!report.errors.empty()) return report.errors[0].to_string();
+  return fmt::format("{}", fmt::join(moves, "; "));
+}
+
+std::string moves_of(std::string_view text) {
+  Bench bench;
+  return moves_of(bench, text);
+}
 
 Outcome Bench::run(std::string_view text, std::size_t max_commands) {
   Outcome outcome;

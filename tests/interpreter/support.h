@@ -46,6 +46,10 @@ Outcome run(std::string_view text);
 std::string commands_of(std::string_view text);
 /// The commands of an outcome, or its diagnostic; as commands_of().
 std::string text_of(const Outcome& outcome);
+/// What moves, in short, machine coordinates: "rapid 1 2 3; feed 1 2 0; thread 1 2 0 by 1.5;
+/// probe 1 2 0; dwell 1; spindle cw; orient; stop". The first error if there is one.
+std::string moves_of(std::string_view text);
+std::string moves_of(Bench& bench, std::string_view text);
 /// "name@column" of the refusal, or "" when the program runs.
 std::string refusal_of(std::string_view text);
 std::string refusal_of(const Outcome& outcome);
