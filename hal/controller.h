@@ -6,12 +6,14 @@
 // than one exchange on its transport.
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
 
 #include "config/axis.h"
 #include "config/error.h"
+#include "hal/ports.h"
 
 namespace cnc::hal {
 
@@ -26,14 +28,17 @@ struct Segment {
   Position velocity{};    ///< at the end, per second
 };
 
-/// Digital and analog outputs that this version of the machine has.
+/// Every output of the board; it is set as a whole. A fault switches all of them off, the drives as
+/// the driver's settings say.
 struct Outputs {
   bool drives_enabled = false;
-  bool spindle_on = false;
-  bool spindle_clockwise = true;
-  double spindle_pwm = 0.0;  ///< 0 … 1
+  bool spindle_on = false;      ///< a relay for the inverter's enable; the CPU5 itself has none
+  bool tool_direction = false;  ///< TOOLDIR: M3 and M84 on, M4, M5 and M85 off
+  double spindle_pwm = 0.0;     ///< 0 … 1: M3, M4 and M86; 0: M5 and M87
   bool mist = false;
   bool flood = false;
+  Ports ports{};                        ///< AUX and I/O cards: M54, M55
+  std::array<double, kPwmCount> pwm{};  ///< 0 … 1, [0] is PWM1: M54 E; heaters
 
   friend bool operator==(const Outputs&, const Outputs&) = default;
 };
@@ -48,10 +53,22 @@ enum class Fault : std::uint16_t {
 };
 using Faults = std::uint16_t;
 
+/// Every input as it was at the exchange: true is active, whatever the wiring. M56's numbers in
+/// brackets.
 struct Inputs {
-  AxisArray<bool> home{};
-  bool estop = false;
-  bool probe = false;
+  AxisArray<bool> home{};                     ///< [51 … 56]
+  bool probe = false;                         ///< [61]
+  bool sync = false;                          ///< [62] the spindle's index pulse
+  bool hand_wheel_a = false;                  ///< [63]
+  bool hand_wheel_b = false;                  ///< [64]
+  bool estop1 = false;                        ///< [65] either estop is a fault by itself
+  bool estop2 = false;                        ///< [66]
+  bool external_error = false;                ///< [67] what to do about it is the host's part
+  Ports ports{};                              ///< AUX [1 … 16] and I/O cards [101 …]
+  std::array<double, kAnalogCount> analog{};  ///< 0 … 1 of the input's range, [0] is input 1
+  std::int32_t hand_wheel_count = 0;          ///< quarter steps of the wheel; wraps
+
+  [[nodiscard]] bool estop() const { return estop1 || estop2; }
 };
 
 /// What the home latch of an axis caught: the position at the very step of the switch's edge.
@@ -86,6 +103,8 @@ struct ControllerStatus {
   bool moving = false;
   Position position;  ///< from the step counters, mm and degrees
   Inputs inputs{};
+  double spindle_speed = 0.0;             ///< rpm from the index pulses, unsigned; 0 below 20 rpm
+  std::uint32_t spindle_index_count = 0;  ///< pulses since power-up; wraps
   AxisArray<Latch> home_latch{};
   ProbeLatch probe_latch{};
   Outputs outputs{};

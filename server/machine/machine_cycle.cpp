@@ -230,7 +230,7 @@ void Machine::cycle_reset() {
     // all.
     if (!feed_.at_rest()) return;
     reset_deadline_ = now_ + kResetTimeout;
-    if (board.inputs.estop) reset_deadline_ = now_;  // no point in waiting for a hand
+    if (board.inputs.estop()) reset_deadline_ = now_;  // no point in waiting for a hand
     feed_.send(ClearFaults{});
     // A board in fault has everything off and may have dropped what it was told since.
     if (board.faults != 0)
@@ -252,7 +252,7 @@ void Machine::cycle_reset() {
   if (now_ < reset_deadline_) return;
   reset_wanted_ = false;
   settle(WaitFor::reset,
-         board.inputs.estop
+         board.inputs.estop()
              ? fail(ErrorCode::estop_pressed,
                     "The emergency stop is still pressed: release it, then reset again.")
              : fail(ErrorCode::controller_not_answering,

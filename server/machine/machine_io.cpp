@@ -55,7 +55,7 @@ void MachineIo::apply() {
   if (direction_ != SpindleDirection::off && speed > 0.0) {
     const double real = std::clamp(speed, spindle_config_.min_speed, spindle_config_.max_speed);
     wanted.spindle_on = true;
-    wanted.spindle_clockwise = direction_ == SpindleDirection::clockwise;
+    wanted.tool_direction = direction_ == SpindleDirection::clockwise;
     wanted.spindle_pwm = real / spindle_config_.max_speed;
   }
   if (wanted == outputs_) return;

@@ -41,7 +41,7 @@ MachineSnapshot Machine::take_snapshot() {
   shown.work_system = offsets.system;
   shown.active_codes = modal.active_codes();
   shown.job = take_job_snapshot();
-  shown.estop_input = board.inputs.estop;
+  shown.estop_input = board.inputs.estop();
   shown.home_switches = board.inputs.home;
   shown.fifo_time = board.fifo_time;
   shown.newest_message = log_.newest();

@@ -47,7 +47,7 @@ class FuzzedBoard final : public BoardIo {
     require(axis < kAxisCount && (direction == 1 || direction == -1));
     ++pulses[axis];
   }
-  Inputs inputs() override { return present; }
+  Inputs inputs(Ticks) override { return present; }
   void set_outputs(const Outputs& outputs) override { last_outputs = outputs; }
 
   PerAxis<std::int64_t> pulses{};
@@ -136,7 +136,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
 
     board.present.home = bytes.next<std::uint8_t>();
     board.present.probe = bytes.next<std::uint8_t>() > 200;
-    board.present.estop = bytes.next<std::uint8_t>() > 250;
+    board.present.estop1 = bytes.next<std::uint8_t>() > 250;
     const Ticks ticks = bytes.next<std::uint16_t>();
     core.advance(ticks);
     check_pulses(board, ticks, faulty);

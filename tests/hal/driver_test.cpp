@@ -157,7 +157,7 @@ TEST_CASE("An estop stops, switches off, and needs a release, a clear and new ou
   controller->machine().press_estop(true);
   hand.wait(0.001);
   CHECK(hand.status().faults == kEstop);
-  CHECK(hand.status().inputs.estop);
+  CHECK(hand.status().inputs.estop1);
   CHECK(hand.status().outputs == Outputs{});
   CHECK(controller->free_segments() == 0);
 

@@ -10,14 +10,14 @@ namespace {
 
 constexpr Outputs kEverythingOn{.drives_enabled = true,
                                 .spindle_on = true,
-                                .spindle_clockwise = false,
+                                .tool_direction = true,
                                 .spindle_pwm = Outputs::kFullPwm,
                                 .mist = true,
                                 .flood = true};
 
 struct Rig {
   explicit Rig(const Setup& setup = kFastBoard) {
-    board.read_inputs = [this] { return Inputs{.estop = estop_when && estop_when()}; };
+    board.read_inputs = [this] { return Inputs{.estop1 = estop_when && estop_when()}; };
     REQUIRE(core.set_up(setup));
     REQUIRE(core.set_outputs(kEverythingOn));
   }

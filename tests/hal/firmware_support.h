@@ -23,7 +23,7 @@ class WatchedBoard final : public BoardIo {
     if (keep_pulses) pulses.push_back({axis, direction});
     ++pulse_count;
   }
-  Inputs inputs() override { return read_inputs ? read_inputs() : Inputs{}; }
+  Inputs inputs(Ticks) override { return read_inputs ? read_inputs() : Inputs{}; }
   void set_outputs(const Outputs& outputs) override { last_outputs = outputs; }
 
   PerAxis<std::int64_t> counts{};

@@ -96,7 +96,7 @@ TEST_CASE("A home switch trips behind the home position and releases exactly the
   CHECK_FALSE(machine.home_switch(Axis::X));
   step(machine, Axis::X, 1 * sense);
   CHECK(machine.home_switch(Axis::X));
-  CHECK(machine.inputs().home == 0b000001);
+  CHECK(machine.inputs(0).home == 0b000001);
   step(machine, Axis::X, -39 * sense);
   CHECK(machine.home_switch(Axis::X));
   step(machine, Axis::X, -1 * sense);
@@ -122,7 +122,7 @@ TEST_CASE("An axis that is switched on while on its home switch says so", "[hal]
 TEST_CASE("The estop button is an input until it is pulled out", "[hal][sim][STA-4]") {
   VirtualMachine machine = machine_at(0.0, small_machine());
   machine.press_estop(true);
-  CHECK(machine.inputs().estop);
+  CHECK(machine.inputs(0).estop1);
   machine.press_estop(false);
-  CHECK_FALSE(machine.inputs().estop);
+  CHECK_FALSE(machine.inputs(0).estop1);
 }

@@ -56,7 +56,7 @@ TEST_CASE("A spindle that a single line starts turns on until it is told otherwi
   REQUIRE(rig.mdi("G0 X1"));
   const auto& outputs = rig.simulation.virtual_machine().outputs();
   CHECK(outputs.spindle_on);
-  CHECK(outputs.spindle_clockwise);
+  CHECK(outputs.tool_direction);
   // 12000 of 24000 rpm at 100 % PWM.
   CHECK(outputs.spindle_pwm == hal::cpu5::firmware::Outputs::kFullPwm / 2);
   REQUIRE(rig.mdi("M5"));

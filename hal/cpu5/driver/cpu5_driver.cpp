@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include "hal/cpu5/driver/board_values.h"
+
 namespace cnc::hal::cpu5 {
 namespace {
 
@@ -10,18 +12,6 @@ static_assert(firmware::kFifoUnderrun == static_cast<Faults>(Fault::fifo_underru
 static_assert(firmware::kEstop == static_cast<Faults>(Fault::estop));
 static_assert(firmware::kBadSegment == static_cast<Faults>(Fault::bad_segment));
 static_assert(firmware::kLinkLost == static_cast<Faults>(Fault::link_lost));
-
-PathStop from_board(firmware::PathStop stop) {
-  switch (stop) {
-    case firmware::PathStop::none:
-      return PathStop::none;
-    case firmware::PathStop::stopping:
-      return PathStop::stopping;
-    case firmware::PathStop::stopped:
-      return PathStop::stopped;
-  }
-  return PathStop::stopped;  // a value that no board sends: safest is to move nothing
-}
 
 constexpr double seconds(firmware::Ticks ticks) {
   return static_cast<double>(ticks) / double{firmware::kTicksPerSecond};
@@ -35,32 +25,7 @@ firmware::StepVelocity max_velocity_for(const DriverSettings& settings) {
   return firmware::velocity_of_frequency(std::llround(limit));
 }
 
-firmware::Outputs to_board(const Outputs& outputs) {
-  const double pwm = std::clamp(outputs.spindle_pwm, 0.0, 1.0) * firmware::Outputs::kFullPwm;
-  return {.drives_enabled = outputs.drives_enabled,
-          .spindle_on = outputs.spindle_on,
-          .spindle_clockwise = outputs.spindle_clockwise,
-          .spindle_pwm = static_cast<std::uint32_t>(std::lround(pwm)),
-          .mist = outputs.mist,
-          .flood = outputs.flood};
-}
-
-Outputs from_board(const firmware::Outputs& outputs) {
-  return {.drives_enabled = outputs.drives_enabled,
-          .spindle_on = outputs.spindle_on,
-          .spindle_clockwise = outputs.spindle_clockwise,
-          .spindle_pwm = static_cast<double>(outputs.spindle_pwm) / firmware::Outputs::kFullPwm,
-          .mist = outputs.mist,
-          .flood = outputs.flood};
-}
-
-Inputs from_board(const firmware::Inputs& inputs) {
-  Inputs result{.estop = inputs.estop, .probe = inputs.probe};
-  for (const Axis axis : kAllAxes) {
-    result.home[axis] = (inputs.home & firmware::axis_bit(index_of(axis))) != 0;
-  }
-  return result;
-}
+double speed_of(firmware::Ticks period) { return period == 0 ? 0.0 : 60.0 / seconds(period); }
 
 double phase_of(const firmware::Status& board) {
   if (board.executing_duration == 0) return 0.0;
@@ -239,6 +204,8 @@ void Cpu5Driver::read_status() {
   status_.path_stop = from_board(board_.path_stop);
   status_.time_scale = static_cast<double>(board_.time_scale) / double{firmware::kFullScale};
   status_.inputs = from_board(board_.inputs);
+  status_.spindle_speed = speed_of(board_.spindle_period);
+  status_.spindle_index_count = board_.inputs.index_count;
   status_.outputs = from_board(board_.outputs);
   status_.position = position_of(board_.counts);
   read_latches();

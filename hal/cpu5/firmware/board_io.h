@@ -9,8 +9,9 @@ class BoardIo {
  public:
   /// One step pulse; direction is +1 or -1.
   virtual void step(std::size_t axis, int direction) = 0;
-  /// The inputs as they are at this moment.
-  virtual Inputs inputs() = 0;
+  /// The inputs as they are at this moment. `now` is the core's time of it, the clock that capture
+  /// times are on; it never goes back.
+  virtual Inputs inputs(Ticks now) = 0;
   virtual void set_outputs(const Outputs& outputs) = 0;
 
  protected:

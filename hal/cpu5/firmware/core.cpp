@@ -241,10 +241,11 @@ void Core::finish_segment() {
 
 void Core::sample_inputs() {
   const std::uint8_t home_before = inputs_.home;
-  inputs_ = io_.inputs();
+  inputs_ = io_.inputs(time_);
+  spindle_.see(inputs_.index_count, inputs_.index_time);
   if (armed_axes_ != 0 && inputs_.home != home_before) catch_latches(home_before);
   if (probe_.armed && inputs_.probe) catch_probe();
-  if (inputs_.estop) fail(kEstop);
+  if (inputs_.estop()) fail(kEstop);
 }
 
 void Core::catch_latches(std::uint8_t home_before) {
@@ -317,6 +318,7 @@ Status Core::status() const {
           .moving = executing_ || !fifo_.empty(),
           .counts = counts_,
           .inputs = inputs_,
+          .spindle_period = spindle_.period(time_),
           .home_latch = latches_,
           .probe_latch = probe_,
           .path_stop = path_stop_,

@@ -25,6 +25,7 @@
 #include "hal/cpu5/firmware/board_io.h"
 #include "hal/cpu5/firmware/hermite.h"
 #include "hal/cpu5/firmware/segment_fifo.h"
+#include "hal/cpu5/firmware/spindle_meter.h"
 
 namespace cnc::hal::cpu5::firmware {
 
@@ -121,6 +122,7 @@ class Core {
   PerAxis<HomeLatch> latches_{};
   std::uint8_t armed_axes_ = 0;
   ProbeLatch probe_;
+  SpindleMeter spindle_;
 };
 
 }  // namespace cnc::hal::cpu5::firmware

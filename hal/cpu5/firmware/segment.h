@@ -13,23 +13,45 @@ struct Segment {
   PerAxis<StepVelocity> velocity{};  ///< at the end
 };
 
+/// Digital ports, one bit each: AUX1 … AUX16, then eight of each of three I/O cards.
+using PortBits = std::uint64_t;
+inline constexpr std::size_t kPortCount = 40;
+inline constexpr std::size_t kPwmCount = 8;
+inline constexpr std::size_t kAnalogCount = 8;
+
 struct Outputs {
   static constexpr std::uint32_t kFullPwm = 1U << 16;
 
   bool drives_enabled = false;
   bool spindle_on = false;
-  bool spindle_clockwise = true;
+  bool tool_direction = false;
   std::uint32_t spindle_pwm = 0;  ///< 0 … kFullPwm
   bool mist = false;
   bool flood = false;
+  PortBits ports = 0;
+  std::array<std::uint32_t, kPwmCount> pwm{};  ///< 0 … kFullPwm
 
   friend bool operator==(const Outputs&, const Outputs&) = default;
 };
 
 struct Inputs {
+  static constexpr std::uint32_t kFullAnalog = 1U << 16;
+
   std::uint8_t home = 0;  ///< one bit per axis, X is bit 0
-  bool estop = false;
+  bool estop1 = false;
+  bool estop2 = false;
+  bool external_error = false;
   bool probe = false;
+  bool sync = false;
+  bool hand_wheel_a = false;
+  bool hand_wheel_b = false;
+  PortBits ports = 0;
+  std::array<std::uint32_t, kAnalogCount> analog{};  ///< 0 … kFullAnalog
+  std::int32_t hand_wheel_count = 0;                 ///< of the counting unit; wraps
+  std::uint32_t index_count = 0;                     ///< spindle index pulses; wraps
+  Ticks index_time = 0;                              ///< when the capture unit saw the last one
+
+  [[nodiscard]] bool estop() const { return estop1 || estop2; }
 };
 
 [[nodiscard]] constexpr std::uint8_t axis_bit(std::size_t axis) {
@@ -85,6 +107,7 @@ struct Status {
   bool moving = false;
   PerAxis<std::int64_t> counts{};  ///< steps since power-up; nothing ever sets them
   Inputs inputs{};
+  Ticks spindle_period = 0;  ///< per revolution (spindle_meter.h); 0 = standing
   PerAxis<HomeLatch> home_latch{};
   ProbeLatch probe_latch{};
   PathStop path_stop = PathStop::none;
