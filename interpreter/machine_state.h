@@ -47,14 +47,15 @@ class WorkCoordinates {
 
 /// Words of a canned cycle that stay for the lines that follow it (manual 3.4.21): lengths in mm.
 struct CycleWords {
-  double bottom = 0.0;         ///< Z in the XY plane
-  double retract = 0.0;        ///< R
-  double peck = 0.0;           ///< Q
-  double dwell = 0.0;          ///< P, s
-  double pitch = 0.0;          ///< F of G74 and G84, per revolution
-  double insert_first = 0.0;   ///< I J of G87 in the XY plane: from the hole to where the tool fits
-  double insert_second = 0.0;  ///< through, along the first and second axis of the plane
-  double back = 0.0;           ///< K of G87 in the XY plane: up to where it bores
+  double bottom = 0.0;   ///< Z in the XY plane
+  double retract = 0.0;  ///< R
+  double peck = 0.0;     ///< Q
+  double dwell = 0.0;    ///< P, s
+  double pitch = 0.0;    ///< F of G74 and G84, per revolution
+  double back = 0.0;     ///< K of G87 in the XY plane: up to where it bores
+  /// I and J of G87: from the hole to where the tool fits through, along the plane's axes.
+  double insert_first = 0.0;
+  double insert_second = 0.0;
   /// What the numbers were written for; in another plane or distance mode they mean nothing.
   Plane plane = Plane::xy;
   DistanceMode distance = DistanceMode::absolute;
