@@ -49,28 +49,6 @@ bool is_plain_text(std::string_view text) {
   return text.size() <= kMaxToolDescription && std::ranges::none_of(text, is_control);
 }
 
-Result<void> check(std::int32_t number, const Tool& tool) {
-  if (number < 1 || number > kMaxTool) {
-    return fail(ErrorCode::tool_bad_number,
-                fmt::format("Tool {} cannot be set; allowed are 1 to {}.", number, kMaxTool));
-  }
-  for (const ToolField& field : kFields) {
-    const double value = field.value(tool);
-    if (value >= field.min && value <= field.max) continue;
-    return fail(ErrorCode::tool_bad_value,
-                fmt::format("Tool {}: {} is {}; allowed is {} to {}.", number, field.name, value,
-                            field.min, field.max));
-  }
-  if (!is_plain_text(tool.description)) {
-    return fail(
-        ErrorCode::tool_bad_value,
-        fmt::format("Tool {}: the description {} is longer than {} bytes or holds a control "
-                    "character.",
-                    number, in_quotes(tool.description), kMaxToolDescription));
-  }
-  return {};
-}
-
 /// What a line of the file says, before its values are checked.
 struct Entry {
   std::int32_t number;
@@ -148,6 +126,28 @@ std::string ToolTable::to_text() const {
 
 const Tool& ToolTable::tool(std::int32_t number) const {
   return tools_[is_valid(number) ? static_cast<std::size_t>(number) : 0];
+}
+
+Result<void> ToolTable::check(std::int32_t number, const Tool& tool) {
+  if (number < 1 || number > kMaxTool) {
+    return fail(ErrorCode::tool_bad_number,
+                fmt::format("Tool {} cannot be set; allowed are 1 to {}.", number, kMaxTool));
+  }
+  for (const ToolField& field : kFields) {
+    const double value = field.value(tool);
+    if (value >= field.min && value <= field.max) continue;
+    return fail(ErrorCode::tool_bad_value,
+                fmt::format("Tool {}: {} is {}; allowed is {} to {}.", number, field.name, value,
+                            field.min, field.max));
+  }
+  if (!is_plain_text(tool.description)) {
+    return fail(
+        ErrorCode::tool_bad_value,
+        fmt::format("Tool {}: the description {} is longer than {} bytes or holds a control "
+                    "character.",
+                    number, in_quotes(tool.description), kMaxToolDescription));
+  }
+  return {};
 }
 
 Result<void> ToolTable::set(std::int32_t number, Tool tool) {

@@ -49,6 +49,8 @@ class ToolTable {
 
   /// Tool 0 … 99; any other number gives tool 0, and whoever reads a program refuses it first.
   [[nodiscard]] const Tool& tool(std::int32_t number) const;
+  /// What set() would say.
+  [[nodiscard]] static Result<void> check(std::int32_t number, const Tool& tool);
   /// Tool 1 … 99. Refused, and nothing changed, when the number or a value is out of range.
   Result<void> set(std::int32_t number, Tool tool);
 

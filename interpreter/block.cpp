@@ -102,7 +102,7 @@ std::unexpected<Refusal> Block::refuse_m_code(double number, Span span) const {
 }
 
 Accepted Block::add_code(const Code& code, Span span) {
-  const std::uint32_t group = std::uint32_t{1} << static_cast<unsigned>(code.group);
+  const GroupSet group = GroupSet{1} << static_cast<unsigned>(code.group);
   if ((groups_ & group) != 0) return settle_conflict(code, span);
   groups_ |= group;
   put_code(code, span);

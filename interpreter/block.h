@@ -107,7 +107,7 @@ class Block {
 
   WordSet words_ = 0;
   StepSet steps_ = 0;
-  std::uint32_t groups_ = 0;
+  GroupSet groups_ = 0;
   std::uint8_t m_codes_ = 0;
   bool has_g_code_ = false;
   Habit habit_ = Habit::none;

@@ -102,9 +102,24 @@ Accepted assign_axes(Block& block, const ModalState& modal) {
   return {};
 }
 
+/// S of "M104 S200" is a temperature: the code takes it, and it is no spindle speed any more. Which
+/// words were taken so.
+WordSet take_free_words(Block& block) {
+  if ((block.words() & kFreeWords) == 0) return kNoWords;
+  WordSet taken = kNoWords;
+  for (StepSet steps = block.steps(); steps != 0; steps &= steps - 1) {
+    taken |= block.code(Step{static_cast<std::uint8_t>(std::countr_zero(steps))}).uses;
+  }
+  taken &= kFreeWords & block.words();
+  if ((taken & word_bit('F')) != 0) block.drop_step(Step::feed);
+  if ((taken & word_bit('S')) != 0) block.drop_step(Step::speed);
+  if ((taken & word_bit('T')) != 0) block.drop_step(Step::tool);
+  return taken;
+}
+
 /// Every word belongs to a code of the line, and to one only.
 Accepted check_words(Block& block) {
-  WordSet used = kFreeWords;
+  WordSet used = kFreeWords & ~take_free_words(block);
   for (StepSet steps = block.steps(); steps != 0; steps &= steps - 1) {
     const Step step{static_cast<std::uint8_t>(std::countr_zero(steps))};
     const Code& code = block.code(step);

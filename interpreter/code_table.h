@@ -34,13 +34,25 @@ enum class Step : std::uint8_t {
   comment,
   feed_mode,
   feed,
+  head,  ///< M90 … M97: S and M3 are for the head of their line
   spindle_mode,
   speed,
   tool,
   tool_change,
+  drives,
   spindle,
+  spindle_direction_output,
+  spindle_pwm_output,
   coolant,
   overrides,
+  hold_input,
+  torch_set_point,
+  torch_height,
+  clamp,
+  heating,
+  fan,
+  axis_scale,
+  io,
   dwell,
   plane,
   units,
@@ -65,7 +77,11 @@ inline constexpr std::size_t kStepCount = static_cast<std::size_t>(Step::stop) +
 using StepSet = std::uint64_t;
 static_assert(kStepCount <= 64);
 
-/// Modal groups: tables 3-3. Two codes of one group cannot stand on a line.
+/// Groups of a line as bits.
+using GroupSet = std::uint64_t;
+
+/// Modal groups: table 3-3, and for codes that it leaves out those that set the same thing. Two
+/// codes of one group cannot stand on a line.
 enum class Group : std::uint8_t {
   non_modal,
   motion,
@@ -87,7 +103,19 @@ enum class Group : std::uint8_t {
   retract_mode,
   scaling,
   rotation,
-  word,  ///< F S T and comments: not codes, but executed like them
+  io,                        ///< group 5
+  head,                      ///< group 10
+  torch_height,              ///< Enable THC
+  torch_set_point,           ///< M22 M23
+  clamp,                     ///< A axis clamp
+  hold_input,                ///< M53
+  drives,                    ///< M80 M81
+  spindle_direction_output,  ///< M84 M85
+  spindle_pwm_output,        ///< M86 M87
+  heating,                   ///< M104 M109 M140 M143 M190
+  fan,                       ///< M106 M107
+  axis_scale,                ///< M100
+  word,                      ///< F S T and comments: not codes, but executed like them
 };
 
 /// What a code does with the words X Y Z A B C of its line.

@@ -89,13 +89,9 @@ class Evaluator {
   }
 
   Accepted set_parameter(std::int32_t number, double value, Span span) {
-    if (Accepted allowed = ParameterAccess::check_writable(number, span); !allowed) return allowed;
-    if (ParameterAccess::is_system(number) && std::abs(value) > kMaxWordValue) {
-      return refuse(ErrorCode::word_out_of_range, span,
-                    fmt::format("#{} cannot be {:.6g}.", number, value),
-                    fmt::format("Values up to {:.0e}.", kMaxWordValue));
-    }
-    result_.block.add_setting({number, value, span});
+    const ParameterSetting setting{number, value, span};
+    if (Accepted allowed = parameters_.check(setting); !allowed) return allowed;
+    result_.block.add_setting(setting);
     return {};
   }
 

@@ -1,10 +1,35 @@
 #include "interpreter/execution.h"
 
 #include <bit>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
 
 #include "interpreter/parameter_access.h"
 
 namespace cnc::interp {
+namespace {
+
+/// Where a move leads; nothing for a command that is no move.
+[[nodiscard]] const Position* end_of(const CommandBody& body) {
+  return std::visit(
+      []<typename Body>(const Body& command) -> const Position* {
+        if constexpr (requires { Position{command.end}; }) return &command.end;
+        return nullptr;
+      },
+      body);
+}
+
+}  // namespace
+
+Execution::Execution(const InterpreterSettings& settings, config::ParameterStore& parameters,
+                     config::ToolTable& tools)
+    : settings_(settings),
+      parameters_(parameters),
+      tools_(tools),
+      head_offsets_(settings.machine.head_offset) {
+  head_offsets_.at(static_cast<std::size_t>(Head::spindle_0)) = {};
+}
 
 Accepted Execution::run(const Block& block, SourceLine source, StepSet steps) {
   block_ = &block;
@@ -15,14 +40,18 @@ Accepted Execution::run(const Block& block, SourceLine source, StepSet steps) {
   habit_ = Habit::none;
   const MachineState before = state_;
   const std::size_t commands_before = commands_.size();
-  if (Accepted done = run_steps(steps); !done) {
+  Accepted done = run_steps(steps);
+  if (done) done = check_clamp(before.position[Axis::A], commands_before);
+  if (done) done = check_settings();
+  if (!done) {
     state_ = before;
     commands_.resize(commands_before, Command{ProgramEnd{}, source});
     writes_.clear();
+    measured_head_.reset();
     program_ended_ = false;
     return done;
   }
-  if (!writes_.empty()) apply_writes();
+  if (!writes_.empty() || measured_head_) apply_writes();
   if (steps_left_ == 0 && !block.settings().empty()) apply_settings();
   return {};
 }
@@ -41,18 +70,54 @@ Accepted Execution::run_steps(StepSet steps) {
   return {};
 }
 
+// Whatever code turns the axis: the brake does not ask which (manual 3.5.10).
+Accepted Execution::check_clamp(double a, std::size_t first) const {
+  constexpr double kSameAngle = 1e-6;
+  if (!state_.modal.a_clamped) return {};
+  for (std::size_t i = first; i < commands_.size(); ++i) {
+    const Position* end = end_of(commands_[i].body);
+    if (end == nullptr || std::abs((*end)[Axis::A] - a) < kSameAngle) continue;
+    return refuse(ErrorCode::axis_clamped, block_->has(Axis::A) ? block_->span_of('A') : Span{},
+                  fmt::format("The A axis is clamped (M26): it cannot turn from {:.6g} to {:.6g}.",
+                              a, (*end)[Axis::A]),
+                  "M27 on a line before.");
+  }
+  return {};
+}
+
+// They have been checked when they were computed; G20 or G21 on their line changes their unit.
+Accepted Execution::check_settings() const {
+  if (block_->settings().empty()) return {};
+  const ParameterAccess access(settings_, parameters_, tools_, state_);
+  for (const ParameterSetting& setting : block_->settings()) {
+    if (Accepted allowed = access.check(setting); !allowed) return allowed;
+  }
+  return {};
+}
+
+void Execution::keep_head_offset(const StoreHeadOffset& measured) {
+  measured_head_ = measured;
+  emit(measured);
+}
+
 void Execution::apply_writes() {
   for (const ParameterWrite& write : writes_) parameters_.set(write.number, write.value);
   writes_.clear();
+  if (const auto head = std::exchange(measured_head_, std::nullopt)) {
+    head_offsets_.at(static_cast<std::size_t>(head->head)) = head->offset;
+  }
 }
 
 void Execution::apply_settings() {
   bool offsets_changed = false;
+  bool tools_changed = false;
   for (const ParameterSetting& setting : block_->settings()) {
     set_now(setting.number, setting.value);
     offsets_changed |= ParameterAccess::affects_offsets(setting.number);
+    tools_changed |= ParameterAccess::affects_tools(setting.number);
   }
   if (offsets_changed) reload_offsets();
+  if (tools_changed) reload_tool_length();
 }
 
 Accepted Execution::tolerate(Habit habit, Span span) {

@@ -6,7 +6,9 @@
 // follows on the line begins where the machine then stands.
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "config/parameter_store.h"
@@ -23,8 +25,7 @@ namespace cnc::interp {
 class Execution {
  public:
   Execution(const InterpreterSettings& settings, config::ParameterStore& parameters,
-            config::ToolTable& tools)
-      : settings_(settings), parameters_(parameters), tools_(tools) {}
+            config::ToolTable& tools);
 
   /// Executes those `steps` of `block`, which check_block() has accepted. steps_left() tells where
   /// it has paused; run() with these once the answer is there.
@@ -71,6 +72,14 @@ class Execution {
   Accepted tolerate(Habit habit, Span span);
   /// The line ends with a stop.
   void note_stop() { stopped_last_ = true; }
+
+  /// From the first spindle, which has none.
+  [[nodiscard]] const Position& head_offset(Head head) const {
+    return head_offsets_.at(static_cast<std::size_t>(head));
+  }
+  /// The offset of a head as it has been measured, kept when the whole line has succeeded.
+  void keep_head_offset(const StoreHeadOffset& measured);
+
   /// Marks the program as ended after this line.
   void end_program() { program_ended_ = true; }
 
@@ -101,6 +110,11 @@ class Execution {
   };
 
   Accepted run_steps(StepSet steps);
+  /// Refuses commands from `first` on that would turn A against its brake.
+  [[nodiscard]] Accepted check_clamp(double a, std::size_t first) const;
+  [[nodiscard]] Accepted check_settings() const;
+  /// Writes what the operator has typed.
+  void take_value(std::int32_t number, double value);
   void apply_settings();
   void apply_writes();
 
@@ -111,6 +125,8 @@ class Execution {
   MachineState state_;
   std::vector<Command> commands_;
   std::vector<ParameterWrite> writes_;
+  std::array<Position, kHeadCount> head_offsets_;
+  std::optional<StoreHeadOffset> measured_head_;
   bool program_ended_ = false;
   bool waits_ = false;  ///< a command of this run() waits for an answer
   StepSet steps_left_ = 0;

@@ -67,11 +67,36 @@ Accepted suspend_g92_offset(Execution& x);     // G92.2
 Accepted restore_g92_offset(Execution& x);     // G92.3
 
 // machine functions (machine_functions.cpp)
-Accepted stop_program(Execution& x);      // M0 M1
-Accepted end_program(Execution& x);       // M2 M30
-Accepted turn_spindle(Execution& x);      // M3 M4 M5
-Accepted change_tool(Execution& x);       // M6
-Accepted switch_coolant(Execution& x);    // M7 M8 M9
-Accepted switch_overrides(Execution& x);  // M48 M49
+Accepted stop_program(Execution& x);    // M0 M1 M60
+Accepted end_program(Execution& x);     // M2 M30
+Accepted turn_spindle(Execution& x);    // M3 M4 M5
+Accepted change_tool(Execution& x);     // M6
+Accepted switch_coolant(Execution& x);  // M7 M8 M9
+
+// overrides (override_functions.cpp)
+Accepted switch_overrides(Execution& x);       // M48 M49
+Accepted set_override(Execution& x);           // M50 M51
+Accepted switch_override_input(Execution& x);  // M52
+Accepted switch_hold_input(Execution& x);      // M53
+
+// inputs, outputs, clamp (io_functions.cpp)
+Accepted switch_clamp(Execution& x);           // M26 M27
+Accepted set_output(Execution& x);             // M54
+Accepted clear_output(Execution& x);           // M55
+Accepted read_input(Execution& x);             // M56
+Accepted switch_drives(Execution& x);          // M80 M81
+Accepted switch_spindle_output(Execution& x);  // M84 … M87
+
+// heads (head_functions.cpp)
+Accepted select_head(Execution& x);  // M90 M91 M92 M93 M95 M97
+
+// torch and 3D printer (process_functions.cpp)
+Accepted switch_torch_height(Execution& x);    // M20 M21
+Accepted set_torch_height(Execution& x);       // M22 M23
+Accepted scale_axis(Execution& x);             // M100
+Accepted set_temperature(Execution& x);        // M104 M109 M140 M190
+Accepted set_temperature_limit(Execution& x);  // M143
+Accepted set_fan(Execution& x);                // M106 M107
+Accepted switch_heaters_off(Execution& x);     // M1 of a 3D printer
 
 }  // namespace cnc::interp

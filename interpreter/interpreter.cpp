@@ -31,7 +31,8 @@ ResumePoint Interpreter::resume_point() const {
           .modal = state.modal,
           .work_offset = state.coordinates.work_offset(),
           .g92_offset = state.coordinates.g92_offset(),
-          .tool_length = state.coordinates.tool_length()};
+          .tool_length = state.coordinates.tool_length(),
+          .head_offset = state.coordinates.head_offset()};
 }
 
 void Interpreter::leave_search(const Position& machine_position) {

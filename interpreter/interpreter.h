@@ -65,6 +65,7 @@ struct ResumePoint {
   Position work_offset;
   Position g92_offset;
   Position tool_length;
+  Position head_offset;
 };
 
 class Interpreter {
@@ -117,9 +118,9 @@ class Interpreter {
   /// The tool that is in the spindle, 0 … 99, when the world knows better (start-up, change by
   /// hand).
   void set_tool_in_spindle(std::int32_t tool);
-  /// What is added to rotated and scaled work coordinates: work offset, G92 and tool length.
-  /// Without G68 and G51 work coordinates are machine coordinates − this; to_work() is right
-  /// always.
+  /// What is added to rotated and scaled work coordinates: work offset, G92, tool length
+  /// and the offset of the head. Without G68 and G51 work coordinates are machine coordinates −
+  /// this; to_work() is right always.
   [[nodiscard]] Position total_offset() const;
   /// Work coordinates of a machine position, as a program would write them.
   [[nodiscard]] Position to_work(const Position& machine) const;

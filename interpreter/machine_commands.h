@@ -5,6 +5,7 @@
 // has been answered.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string_view>
@@ -34,8 +35,9 @@ struct UseHoldInput {
 
 // --- heads and spindle outputs -------------------------------------------------------------------
 
-/// What is at the tool point: M90 M91 M92 spindles, M93 M95 probe, M97 camera.
+/// What is at the tool point: M90 M91 M92 (or M93) spindles, M95 probe, M97 camera.
 enum class Head : std::uint8_t { spindle_0, spindle_1, spindle_2, probe, camera };
+inline constexpr std::size_t kHeadCount = 5;
 /// M90 … M97: `offset` of the head from the first spindle, already in the moves that follow.
 struct SelectHead {
   Head head = Head::spindle_0;
@@ -87,11 +89,11 @@ struct ClampAxis {
   bool on = false;
   std::optional<std::int32_t> port;  ///< AUX output of the brake
 };
-/// M21 M20: plasma torch height control.
+/// M20 M21: plasma torch height control.
 struct UseTorchHeight {
   bool on = false;
 };
-/// M22 M23 Q: its set point.
+/// M22 M23 Q: its set point, volts.
 struct SetTorchHeight {
   double set_point = 0.0;
 };

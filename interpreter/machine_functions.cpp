@@ -3,14 +3,10 @@
 
 #include "interpreter/execution.h"
 #include "interpreter/handlers.h"
+#include "interpreter/spindle.h"
 
 namespace cnc::interp {
 namespace {
-
-void use_spindle(Execution& x, SpindleDirection direction) {
-  x.state().modal.spindle = direction;
-  x.emit(TurnSpindle{direction});
-}
 
 void use_coolant(Execution& x, bool mist, bool flood) {
   x.state().modal.mist = mist;
@@ -31,6 +27,20 @@ void forget_surface_speed(Execution& x) {
 }
 
 }  // namespace
+
+void turn_spindle_to(Execution& x, SpindleDirection direction) {
+  ModalState& modal = x.state().modal;
+  modal.spindle = direction;
+  modal.spindle_pwm_output = modal.spindle_direction_output = false;
+  x.emit(TurnSpindle{direction});
+}
+
+void stop_spindle(Execution& x) {
+  const ModalState& modal = x.state().modal;
+  const bool runs = modal.spindle != SpindleDirection::off || modal.spindle_pwm_output ||
+                    modal.spindle_direction_output;
+  if (runs) turn_spindle_to(x, SpindleDirection::off);
+}
 
 Accepted show_comment(Execution& x) {
   x.emit(x.block().comment());
@@ -53,7 +63,7 @@ Accepted select_tool(Execution& x) {
 // The spindle stands after a tool change (manual 3.5.3).
 Accepted change_tool(Execution& x) {
   ModalState& modal = x.state().modal;
-  if (modal.spindle != SpindleDirection::off) use_spindle(x, SpindleDirection::off);
+  stop_spindle(x);
   modal.tool = modal.selected_tool;
   x.emit(ChangeTool{modal.tool});
   if (modal.length_source == LengthSource::spindle_tool) x.reload_tool_length();
@@ -61,9 +71,9 @@ Accepted change_tool(Execution& x) {
 }
 
 Accepted turn_spindle(Execution& x) {
-  use_spindle(x, x.code() == 3   ? SpindleDirection::clockwise
-                 : x.code() == 4 ? SpindleDirection::counterclockwise
-                                 : SpindleDirection::off);
+  turn_spindle_to(x, x.code() == 3   ? SpindleDirection::clockwise
+                     : x.code() == 4 ? SpindleDirection::counterclockwise
+                                     : SpindleDirection::off);
   return {};
 }
 
@@ -74,26 +84,24 @@ Accepted switch_coolant(Execution& x) {
   return {};
 }
 
-Accepted switch_overrides(Execution& x) {
-  const bool enabled = x.code() == 48;
-  x.state().modal.overrides_enabled = enabled;
-  x.emit(EnableOverrides{enabled, enabled});
-  return {};
-}
-
 Accepted stop_program(Execution& x) {
+  if (x.code() == 1 && x.settings().is_3d_printer) return switch_heaters_off(x);
   x.note_stop();
-  x.emit(ProgramStop{x.code() == 0 ? StopKind::program_stop : StopKind::optional_stop});
+  x.emit(ProgramStop{x.code() == 0   ? StopKind::program_stop
+                     : x.code() == 1 ? StopKind::optional_stop
+                                     : StopKind::pallet_stop});
   return {};
 }
 
-// What M30 puts back is the manual's list (3.5.1): work system and G92 stay, on purpose. Only what
-// changes is said again.
+// What M30 puts back is the manual's list (3.5.1): work system and G92 stay, on purpose, and so do
+// head, clamp, outputs and heaters. Torch height control ends with the torch: it moves Z by itself.
+// Only what changes is said again.
 Accepted end_program(Execution& x) {
   ModalState& modal = x.state().modal;
   if (modal.plane != Plane::xy) x.emit(SelectPlane{Plane::xy});
-  if (!modal.overrides_enabled) x.emit(EnableOverrides{true, true});
-  if (modal.spindle != SpindleDirection::off) use_spindle(x, SpindleDirection::off);
+  if (!modal.overrides_enabled()) x.emit(EnableOverrides{true, true});
+  if (modal.torch_height) x.emit(UseTorchHeight{false});
+  stop_spindle(x);
   if (modal.mist || modal.flood) use_coolant(x, false, false);
   if (modal.feed_mode != FeedMode::per_minute) {
     modal.feed_mode = FeedMode::per_minute;
@@ -102,7 +110,8 @@ Accepted end_program(Execution& x) {
   forget_surface_speed(x);
   modal.plane = Plane::xy;
   modal.distance = DistanceMode::absolute;
-  modal.overrides_enabled = true;
+  modal.feed_override_enabled = modal.speed_override_enabled = true;
+  modal.torch_height = false;
   modal.motion = 10;  // G1
   x.emit(ProgramEnd{});
   x.end_program();

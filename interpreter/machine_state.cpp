@@ -18,4 +18,9 @@ void WorkCoordinates::set_tool_length(double x, double z) {
   sum_up();
 }
 
+void WorkCoordinates::set_head_offset(const Position& offset) {
+  head_offset_ = offset;
+  sum_up();
+}
+
 }  // namespace cnc::interp

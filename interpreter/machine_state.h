@@ -11,13 +11,14 @@
 
 namespace cnc::interp {
 
-/// machine = rotated and scaled work + work offset + G92 offset + tool length (manual 3.1.3, 3.4.5,
-/// 3.4.12, 3.4.13, 3.4.18, 3.4.23).
+/// machine = rotated and scaled work + work offset + G92 offset + tool length + offset of the head
+/// (manual 3.1.3, 3.4.5, 3.4.12, 3.4.13, 3.4.18, 3.4.23, 3.5.2).
 class WorkCoordinates {
  public:
   [[nodiscard]] const Position& work_offset() const { return work_offset_; }
   [[nodiscard]] const Position& g92_offset() const { return g92_offset_; }
   [[nodiscard]] const Position& tool_length() const { return tool_length_; }
+  [[nodiscard]] const Position& head_offset() const { return head_offset_; }
   [[nodiscard]] const Position& total() const { return total_; }
 
   [[nodiscard]] Position to_machine(const Position& work) const {
@@ -34,14 +35,16 @@ class WorkCoordinates {
   void set_g92_offset(const Position& offset);
   /// Along X (turning) and Z.
   void set_tool_length(double x, double z);
+  void set_head_offset(const Position& offset);
 
  private:
-  void sum_up() { total_ = work_offset_ + g92_offset_ + tool_length_; }
+  void sum_up() { total_ = work_offset_ + g92_offset_ + tool_length_ + head_offset_; }
 
   Position work_offset_;
   Position g92_offset_;
   Position tool_length_;
-  Position total_;  ///< of the three offsets
+  Position head_offset_;
+  Position total_;  ///< of the four offsets
   XyTransform transform_;
 };
 

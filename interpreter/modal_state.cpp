@@ -24,6 +24,12 @@ constexpr std::array<std::string_view, 4> kLengths{"G49", "G43", "G43 H", "G43.1
 constexpr std::array<std::string_view, 9> kSystems{"G54", "G55",   "G56",   "G57",  "G58",
                                                    "G59", "G59.1", "G59.2", "G59.3"};
 constexpr std::array<std::string_view, 3> kSpindle{"M5", "M3", "M4"};
+constexpr std::array<std::string_view, 5> kHeads{"M90", "M91", "M92", "M95", "M97"};
+
+[[nodiscard]] std::string_view override_code(bool feed, bool speed) {
+  if (feed) return speed ? "M48" : "M51 P-1";
+  return speed ? "M50 P-1" : "M49";
+}
 
 /// F as it was written.
 [[nodiscard]] double programmed_feed(const ModalState& modal) {
@@ -64,7 +70,10 @@ std::string ModalState::active_codes() const {
   if (mist) add("M7");
   if (flood) add("M8");
   if (!mist && !flood) add("M9");
-  add(overrides_enabled ? "M48" : "M49");
+  add(override_code(feed_override_enabled, speed_override_enabled));
+  if (head != Head::spindle_0) add(name_in(kHeads, head));
+  if (a_clamped) add("M26");
+  if (torch_height) add("M20");
   fmt::format_to(std::back_inserter(text), " T{} F{} S{}", tool,
                  number_text(programmed_feed(*this)), number_text(programmed_speed(*this)));
   return text;

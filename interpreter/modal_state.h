@@ -55,9 +55,22 @@ struct ModalState {
   std::optional<double> max_speed;  ///< D of G96, rpm
   bool mist = false;
   bool flood = false;
-  std::int32_t tool = 0;           ///< in the spindle
-  std::int32_t selected_tool = 0;  ///< by T, for the next M6
-  bool overrides_enabled = true;
+  std::int32_t tool = 0;                       ///< in the spindle
+  std::int32_t selected_tool = 0;              ///< by T, for the next M6
+  bool feed_override_enabled = true;           ///< M48 M49 M50
+  bool speed_override_enabled = true;          ///< M48 M49 M51
+  Head head = Head::spindle_0;                 ///< M90 … M97
+  bool spindle_direction_output = false;       ///< M84
+  bool spindle_pwm_output = false;             ///< M86
+  bool torch_height = false;                   ///< M20
+  bool a_clamped = false;                      ///< M26
+  std::optional<std::int32_t> clamp_port;      ///< P of M26
+  std::optional<double> extruder_temperature;  ///< degrees Celsius, as programmed last
+  std::optional<double> bed_temperature;
+
+  [[nodiscard]] bool overrides_enabled() const {
+    return feed_override_enabled && speed_override_enabled;
+  }
 
   /// "G1 G17 G21 G40 G49 G54 G61 G90 G94 G97 M5 M9 M48 T1 F300 S12000": for displays, F and S as
   /// they were written.

@@ -3,6 +3,7 @@
 
 #include "interpreter/execution.h"
 #include "interpreter/handlers.h"
+#include "interpreter/words.h"
 
 namespace cnc::interp {
 namespace {
@@ -11,17 +12,6 @@ using config::parameter::kActiveSystem;
 using config::parameter::kG92Offset;
 using config::parameter::kWorkOffset;
 using config::parameter::kWorkSystemStride;
-
-/// The word `letter` as a whole number from `lowest` to `highest`.
-Parsed<std::int32_t> whole_word(const Execution& x, char letter, std::int32_t lowest,
-                                std::int32_t highest) {
-  const double value = x.block().value(letter);
-  const auto number = whole_number(value);
-  if (number && *number >= lowest && *number <= highest) return *number;
-  return refuse(ErrorCode::word_out_of_range, x.block().span_of(letter),
-                fmt::format("{} cannot be {}{:.10g}.", x.code_name(), letter, value),
-                fmt::format("{} from {} to {}.", letter, lowest, highest));
-}
 
 /// `values` with those axes changed that the line names.
 Position with_words(const Execution& x, Position values) {
@@ -67,7 +57,8 @@ Accepted set_coordinate_system(Execution& x) {
   if (!system) return std::unexpected(system.error());
 
   WorkCoordinates& coordinates = x.state().coordinates;
-  const Position beside = coordinates.g92_offset() + coordinates.tool_length();
+  const Position beside =
+      coordinates.g92_offset() + coordinates.tool_length() + coordinates.head_offset();
   const Position stored = x.parameters().work_offset(*system);
   const Position offset =
       *kind == kSetFromPosition ? offset_from_position(x, stored, beside) : with_words(x, stored);
@@ -126,7 +117,8 @@ Accepted select_work_system(Execution& x) {
 
 Accepted set_g92_offset(Execution& x) {
   const WorkCoordinates& coordinates = x.state().coordinates;
-  const Position beside = coordinates.work_offset() + coordinates.tool_length();
+  const Position beside =
+      coordinates.work_offset() + coordinates.tool_length() + coordinates.head_offset();
   const Position offset = offset_from_position(x, coordinates.g92_offset(), beside);
   x.set_six(kG92Offset, offset);
   use_g92(x, offset, true);

@@ -1,8 +1,9 @@
 // Parameters as a program sees them (manual 3.1.1): most are the store's, some are read from the
 // interpreter's state at the moment they are asked for, and lengths are in the program's unit.
 //
-// The store keeps millimetres. A program in inches reads and writes its positions, offsets and tool
-// data in inches, so that "G0 X[#5001 + 1]" and "G53 G0 X#5161" mean what they say under G20 too.
+// parameter_table.h says which number means what. The store keeps millimetres. A program in inches
+// reads and writes its positions, offsets and tool data in inches, so that "G0 X[#5001 + 1]" and
+// "G53 G0 X#5161" mean what they say under G20 too.
 #pragma once
 
 #include <cstdint>
@@ -10,11 +11,14 @@
 
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
+#include "interpreter/block.h"
 #include "interpreter/interpreter_settings.h"
 #include "interpreter/machine_state.h"
 #include "interpreter/refusal.h"
 
 namespace cnc::interp {
+
+struct ParameterMeaning;
 
 class ParameterAccess {
  public:
@@ -26,7 +30,7 @@ class ParameterAccess {
   [[nodiscard]] double get(std::int32_t number) const {
     return number < kFirstSystem ? store_.get(number) : get_system(number);
   }
-  /// Writes a value that the program gives; check_writable() has allowed it.
+  /// Writes a value that the program gives; check() has allowed it.
   void set(std::int32_t number, double value);
 
   /// Whether a value was asked for that only the machine knows, since the last call: the program
@@ -37,18 +41,28 @@ class ParameterAccess {
 
   /// Refuses what only the machine writes.
   [[nodiscard]] static Accepted check_writable(std::int32_t number, Span span);
+  /// Refuses also values that the parameter cannot have.
+  [[nodiscard]] Accepted check(const ParameterSetting& setting) const;
   /// Whether it has a meaning for the machine.
   [[nodiscard]] static constexpr bool is_system(std::int32_t number) {
     return number >= kFirstSystem;
   }
   /// Whether writing it changes the offsets in force.
   [[nodiscard]] static bool affects_offsets(std::int32_t number);
+  /// Whether it is a tool's length, diameter, X offset or orientation.
+  [[nodiscard]] static bool affects_tools(std::int32_t number);
 
  private:
   static constexpr std::int32_t kFirstSystem = 5000;
 
   [[nodiscard]] double get_system(std::int32_t number) const;
-  [[nodiscard]] double scale_of(std::int32_t number) const;
+
+  [[nodiscard]] double stored_value(const ParameterMeaning& meaning, std::int32_t number,
+                                    double value) const;
+  [[nodiscard]] config::Tool changed_tool(const ParameterMeaning& meaning, std::int32_t tool_number,
+                                          double stored) const;
+  [[nodiscard]] bool can_be(const ParameterMeaning& meaning, std::int32_t number,
+                            double value) const;
 
   const InterpreterSettings& settings_;
   config::ParameterStore& store_;

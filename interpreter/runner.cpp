@@ -26,10 +26,12 @@ void Runner::reset() {
   stop();
   MachineState& state = execution_.state();
   const Position position = state.position;
-  const std::int32_t tool = state.modal.tool;  // a reset takes no tool out of the spindle
+  const ModalState before = state.modal;
   state = MachineState{};
   state.position = position;
-  state.modal.tool = tool;
+  state.modal.tool = before.tool;  // a reset takes no tool out of the spindle and opens no brake
+  state.modal.a_clamped = before.a_clamped;
+  state.modal.clamp_port = before.clamp_port;
   state.modal.unit = settings_.default_unit;
   if (settings_.absolute_arc_centres) state.modal.arc_distance = DistanceMode::absolute;
   state.modal.work_system = execution_.parameters().active_system();

@@ -63,6 +63,10 @@ template <HomeStep step>
 Accepted home(Execution& x, Arguments arguments) {
   const auto axis = value_named(arguments[0], kAxes);
   if (!axis) return std::unexpected(axis.error());
+  if (*axis == Axis::A && x.state().modal.a_clamped) {
+    return refuse(ErrorCode::axis_clamped, arguments[0].span,
+                  "The A axis is clamped (M26): it cannot be homed.", "M27 on a line before.");
+  }
   x.emit(HomeAxis{step, *axis});
   return {};
 }

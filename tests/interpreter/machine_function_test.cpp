@@ -56,7 +56,7 @@ TEST_CASE("M2 and M30 reset what the manual lists and keep the work system", "[G
   CHECK(modal.plane == Plane::xy);
   CHECK(modal.distance == DistanceMode::absolute);
   CHECK(modal.feed_mode == FeedMode::per_minute);
-  CHECK(modal.overrides_enabled);
+  CHECK(modal.overrides_enabled());
   CHECK(modal.spindle == SpindleDirection::off);
   CHECK_FALSE(modal.flood);
   CHECK(modal.motion == 10);

@@ -110,9 +110,10 @@ TEST_CASE("Tool length, G92 and inches count in a probe's results", "[GCO-8]") {
 
 TEST_CASE("A probe that does not trip clears #5067 and the program goes on", "[GCO-8]") {
   Bench bench = machine_with_probe(false, at(0, 0, -10), at(0, 0, -10));
+  bench.parameters.set(5067, 1);
   // As in the manual's zhcmgrid (2.2.5.5): the program itself asks.
   const Outcome outcome = bench.run(
-      "F60\n#5067=1\nG38.2 Z-10\nif [#5067 == 1]\n#1=1\nelse\n#1=2\n"
+      "F60\nG38.2 Z-10\nif [#5067 == 1]\n#1=1\nelse\n#1=2\n"
       "endif\n");
   CHECK(bench.parameters.get(1) == 2.0);
   CHECK(outcome.lines.back() == "PROGRAM_END()");
