@@ -38,7 +38,8 @@ constexpr std::array kFields{
               kMaxToolLength},
     ToolField{"xOffset", [](const Tool& tool) { return tool.x_offset; }, -kMaxToolLength,
               kMaxToolLength},
-    ToolField{"diameter", [](const Tool& tool) { return tool.diameter; }, 0.0, kMaxToolDiameter},
+    ToolField{"diameter", [](const Tool& tool) { return tool.diameter; }, -kMaxToolDiameter,
+              kMaxToolDiameter},
     ToolField{"orientation", [](const Tool& tool) { return static_cast<double>(tool.orientation); },
               1.0, 9.0},
 };

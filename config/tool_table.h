@@ -17,7 +17,7 @@ namespace cnc::config {
 
 inline constexpr std::int32_t kMaxTool = 99;
 inline constexpr double kMaxToolLength = 10'000.0;      ///< mm, either sign
-inline constexpr double kMaxToolDiameter = 1'000.0;     ///< mm
+inline constexpr double kMaxToolDiameter = 1'000.0;     ///< mm, either sign
 inline constexpr std::size_t kMaxToolDescription = 80;  ///< bytes of UTF-8
 /// Orientation without any offset of the controlled point (manual 3.1.2.1): every milling tool.
 inline constexpr std::int32_t kCentredOrientation = 9;
@@ -25,6 +25,7 @@ inline constexpr std::int32_t kCentredOrientation = 9;
 struct Tool {
   double length = 0.0;    ///< Z offset; negative for a tool shorter than the reference
   double x_offset = 0.0;  ///< for turning
+  /// Negative: by so much smaller than the tool that a program's path was made for (manual 5.3).
   double diameter = 0.0;
   std::int32_t orientation = kCentredOrientation;  ///< 1 … 9, for turning
   std::string description{};

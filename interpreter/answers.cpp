@@ -17,7 +17,7 @@ constexpr std::int32_t kInputResult = 5399;
 
 void Execution::take(const Answer& answer, const CommandBody& command) {
   // Commands of the line that are in the queue already have their end points.
-  if (&command == &commands_.back().body) state_.position = answer.position;
+  if (&command == &commands_.back().body) state_.arrive(answer.position);
   state_.live = answer.live;
   if (std::holds_alternative<ProbeMove>(command)) {
     parameters_.set_six(kProbeMachinePosition, answer.probe_position);
@@ -43,7 +43,7 @@ void Execution::take_value(std::int32_t number, double value) {
 
 Answer Execution::expected_answer(const CommandBody& command) const {
   Answer answer;
-  answer.position = state_.position;
+  answer.position = state_.machine_position();
   answer.live = state_.live;
   if (const auto* probe = std::get_if<ProbeMove>(&command)) {
     answer.probe_tripped = true;

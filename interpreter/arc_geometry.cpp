@@ -24,6 +24,13 @@ PlanePoint in_plane(const Position& position, Plane plane) {
   return {position[axes.first], position[axes.second]};
 }
 
+Position with_plane_point(Position position, Plane plane, PlanePoint point) {
+  const PlaneAxes axes = axes_of(plane);
+  position[axes.first] = point.first;
+  position[axes.second] = point.second;
+  return position;
+}
+
 double radius_tolerance(LengthUnit unit, double radius) {
   const double absolute =
       unit == LengthUnit::inch ? kToleranceInches * kMillimetresPerInch : kToleranceMillimetres;

@@ -11,6 +11,15 @@ struct PlanePoint {
   double first = 0.0;
   double second = 0.0;
 };
+[[nodiscard]] constexpr PlanePoint operator+(PlanePoint a, PlanePoint b) {
+  return {a.first + b.first, a.second + b.second};
+}
+[[nodiscard]] constexpr PlanePoint operator-(PlanePoint a, PlanePoint b) {
+  return {a.first - b.first, a.second - b.second};
+}
+[[nodiscard]] constexpr PlanePoint operator*(double factor, PlanePoint p) {
+  return {factor * p.first, factor * p.second};
+}
 
 /// Points closer than this, mm, are one: far below any step, far above the rounding of positions.
 /// An arc that ends so close to its start is a full circle, for the planner too (motion/curve.h).
@@ -18,6 +27,8 @@ inline constexpr double kSamePoint = 1e-6;
 
 [[nodiscard]] double distance(PlanePoint a, PlanePoint b);
 [[nodiscard]] PlanePoint in_plane(const Position& position, Plane plane);
+/// `position` with its two coordinates of `plane` replaced.
+[[nodiscard]] Position with_plane_point(Position position, Plane plane, PlanePoint point);
 
 /// How far the two radii of an arc may differ. The manual says 0.002 mm or 0.0002 inch. Post
 /// processors that round to three decimals miss that on large arcs, so 0.1 % of the radius is

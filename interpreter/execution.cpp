@@ -1,5 +1,6 @@
 #include "interpreter/execution.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <fmt/format.h>
@@ -9,6 +10,9 @@
 
 namespace cnc::interp {
 namespace {
+
+/// A program without moves in its contour cannot fill the memory behind a held-back move.
+constexpr std::size_t kMaxHeldBack = 1000;
 
 /// Where a move leads; nothing for a command that is no move.
 [[nodiscard]] const Position* end_of(const CommandBody& body) {
@@ -40,15 +44,14 @@ Accepted Execution::run(const Block& block, SourceLine source, StepSet steps) {
   habit_ = Habit::none;
   const MachineState before = state_;
   const std::size_t commands_before = commands_.size();
+  if (const auto held = before.compensation.held) {
+    held_before_.assign(commands_.begin() + static_cast<std::ptrdiff_t>(*held), commands_.end());
+  }
   Accepted done = run_steps(steps);
   if (done) done = check_clamp(before.position[Axis::A], commands_before);
   if (done) done = check_settings();
   if (!done) {
-    state_ = before;
-    commands_.resize(commands_before, Command{ProgramEnd{}, source});
-    writes_.clear();
-    measured_head_.reset();
-    program_ended_ = false;
+    undo(before, commands_before);
     return done;
   }
   if (!writes_.empty() || measured_head_) apply_writes();
@@ -61,6 +64,9 @@ Accepted Execution::run_steps(StepSet steps) {
     const Step step{static_cast<std::uint8_t>(std::countr_zero(steps))};
     code_ = &block_->code(step);
     code_span_ = block_->span_of(step);
+    if (state_.modal.compensation != CompensationSide::off) {
+      if (Accepted allowed = check_under_compensation(*this); !allowed) return allowed;
+    }
     if (Accepted done = code_->handler(*this); !done) return done;
     if (waits_) {
       steps_left_ = steps & (steps - 1);
@@ -68,6 +74,28 @@ Accepted Execution::run_steps(StepSet steps) {
     }
   }
   return {};
+}
+
+void Execution::undo(const MachineState& before, std::size_t commands_before) {
+  state_ = before;
+  commands_.resize(commands_before, Command{ProgramEnd{}, source_});
+  if (const auto held = before.compensation.held) {
+    std::ranges::copy(held_before_, commands_.begin() + static_cast<std::ptrdiff_t>(*held));
+  }
+  writes_.clear();
+  measured_head_.reset();
+  program_ended_ = false;
+}
+
+void Execution::drop_commands(std::size_t count) {
+  std::optional<std::size_t>& held = state_.compensation.held;
+  if (!held) {
+    commands_.clear();
+    return;
+  }
+  commands_.erase(commands_.begin(), commands_.begin() + static_cast<std::ptrdiff_t>(count));
+  *held -= count;
+  if (commands_.size() > kMaxHeldBack) release_held();
 }
 
 // Whatever code turns the axis: the brake does not ask which (manual 3.5.10).
@@ -89,8 +117,12 @@ Accepted Execution::check_clamp(double a, std::size_t first) const {
 Accepted Execution::check_settings() const {
   if (block_->settings().empty()) return {};
   const ParameterAccess access(settings_, parameters_, tools_, state_);
+  const bool offsets_are_fixed = state_.modal.compensation != CompensationSide::off;
   for (const ParameterSetting& setting : block_->settings()) {
     if (Accepted allowed = access.check(setting); !allowed) return allowed;
+    if (!offsets_are_fixed || !ParameterAccess::affects_offsets(setting.number)) continue;
+    return refuse(ErrorCode::compensation_offset_change, setting.span,
+                  "Offsets cannot change while cutter compensation is on.", "G40 before it.");
   }
   return {};
 }

@@ -22,6 +22,16 @@
 
 namespace cnc::interp {
 
+/// Commands that may wait in the queue behind a held-back move (cutter_compensation.h): they tell
+/// nothing of where the machine is and hold no text of their own.
+template <typename Body, typename... Bodies>
+inline constexpr bool kIsOneOf = (std::is_same_v<Body, Bodies> || ...);
+template <typename Body>
+inline constexpr bool kMayBeHeldBack =
+    kIsOneOf<Body, RapidMove, FeedMove, ArcMove, Dwell, SetFeedRate, SetPathMode, SelectPlane,
+             UseLengthUnit, UseToolLength, SetSpindleSpeed, UseSurfaceSpeed, TurnSpindle,
+             SetCoolant, SelectTool, EnableOverrides, Message>;
+
 class Execution {
  public:
   Execution(const InterpreterSettings& settings, config::ParameterStore& parameters,
@@ -42,6 +52,7 @@ class Execution {
   [[nodiscard]] const Block& block() const { return *block_; }
   /// Ten times the G number, or the M number, of the code that is being executed.
   [[nodiscard]] std::int32_t code() const { return code_->number; }
+  [[nodiscard]] Step step() const { return code_->step; }
   [[nodiscard]] std::string_view code_name() const { return code_->name; }
   [[nodiscard]] Span code_span() const { return code_span_; }
 
@@ -52,6 +63,7 @@ class Execution {
 
   template <typename Body>
   void emit(const Body& body) {
+    if constexpr (!kMayBeHeldBack<Body>) release_held();
     if constexpr (kWaitsForAnswer<Body>) waits_ = true;
     commands_.emplace_back(CommandBody{body}, source_);
   }
@@ -86,6 +98,14 @@ class Execution {
   // --- for the interpreter ---
   [[nodiscard]] std::vector<Command>& commands() { return commands_; }
   [[nodiscard]] const std::vector<Command>& commands() const { return commands_; }
+  /// Commands of the queue that can be handed out; the others wait for the next move of a contour.
+  [[nodiscard]] std::size_t ready_count() const {
+    return state_.compensation.held.value_or(commands_.size());
+  }
+  /// Those that were handed out.
+  void drop_commands(std::size_t count);
+  /// The held-back move ends where it would without a corner.
+  void release_held() { state_.compensation.held.reset(); }
   [[nodiscard]] bool program_ended() const { return program_ended_; }
   /// The line of commands that are emitted outside of run(); the program goes on.
   void begin(SourceLine source) {
@@ -115,6 +135,7 @@ class Execution {
   [[nodiscard]] Accepted check_settings() const;
   /// Writes what the operator has typed.
   void take_value(std::int32_t number, double value);
+  void undo(const MachineState& before, std::size_t commands_before);
   void apply_settings();
   void apply_writes();
 
@@ -124,6 +145,7 @@ class Execution {
 
   MachineState state_;
   std::vector<Command> commands_;
+  std::vector<Command> held_before_;  ///< for undo(): the next move may change held-back ones
   std::vector<ParameterWrite> writes_;
   std::array<Position, kHeadCount> head_offsets_;
   std::optional<StoreHeadOffset> measured_head_;

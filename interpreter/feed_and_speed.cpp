@@ -20,8 +20,7 @@ Accepted check_not_negative(const Execution& x, char letter, std::string_view wh
 /// that stands in inches must not become 600 inches per minute.
 [[nodiscard]] LengthUnit line_unit(const Execution& x) {
   if (!x.block().has(Step::units)) return x.state().modal.unit;
-  const std::int32_t code = x.block().code(Step::units).number;
-  return code == 200 || code == 700 ? LengthUnit::inch : LengthUnit::millimetre;
+  return unit_of(x.block().code(Step::units).number);
 }
 
 /// What F counts, per second or per revolution.

@@ -39,15 +39,18 @@ Accepted probe(Execution& x);  // G38.2
 Accepted canned_cycle(Execution& x);  // G73 G74 G81 … G89
 
 // modes (modes.cpp)
-Accepted select_plane(Execution& x);                // G17 G18 G19
-Accepted use_length_unit(Execution& x);             // G20 G21 G70 G71
+Accepted select_plane(Execution& x);             // G17 G18 G19
+Accepted use_length_unit(Execution& x);          // G20 G21 G70 G71
+Accepted set_path_control(Execution& x);         // G61 G61.1 G64
+Accepted switch_contouring(Execution& x);        // M21 M22 of pscnc
+Accepted set_distance_mode(Execution& x);        // G90 G91
+Accepted set_arc_distance_mode(Execution& x);    // G90.1 G91.1
+Accepted set_retract_mode(Execution& x);         // G98 G99
+Accepted use_machine_coordinates(Execution& x);  // G53
+
+// cutter compensation (cutter_compensation.cpp)
+Accepted begin_cutter_compensation(Execution& x);   // G41 G42 G41.1 G42.1
 Accepted cancel_cutter_compensation(Execution& x);  // G40
-Accepted set_path_control(Execution& x);            // G61 G61.1 G64
-Accepted switch_contouring(Execution& x);           // M21 M22 of pscnc
-Accepted set_distance_mode(Execution& x);           // G90 G91
-Accepted set_arc_distance_mode(Execution& x);       // G90.1 G91.1
-Accepted set_retract_mode(Execution& x);            // G98 G99
-Accepted use_machine_coordinates(Execution& x);     // G53
 
 // rotation and scaling (rotation.cpp)
 Accepted rotate(Execution& x);           // G68

@@ -26,7 +26,7 @@ void Interpreter::start(std::shared_ptr<const Program> program, const Position& 
 ResumePoint Interpreter::resume_point() const {
   const MachineState& state = impl_->runner.state();
   return {.line = impl_->runner.next_line(),
-          .position = state.position,
+          .position = state.machine_position(),
           .work_position = state.work_position(),
           .modal = state.modal,
           .work_offset = state.coordinates.work_offset(),
@@ -56,9 +56,9 @@ Answer Interpreter::expected_answer() const { return impl_->runner.expected_answ
 const Diagnostic& Interpreter::diagnostic() const { return impl_->runner.diagnostic(); }
 bool Interpreter::skip_failed_line() { return impl_->runner.skip_failed_line(); }
 
-const Position& Interpreter::position() const { return impl_->runner.state().position; }
+Position Interpreter::position() const { return impl_->runner.state().machine_position(); }
 void Interpreter::set_position(const Position& machine_position) {
-  impl_->runner.state().position = machine_position;
+  impl_->runner.state().arrive(machine_position);
 }
 const ModalState& Interpreter::modal() const { return impl_->runner.state().modal; }
 void Interpreter::set_block_delete(bool on) { impl_->runner.set_block_delete(on); }
@@ -67,7 +67,10 @@ void Interpreter::set_tool_in_spindle(std::int32_t tool) {
 }
 Position Interpreter::total_offset() const { return impl_->runner.state().coordinates.total(); }
 Position Interpreter::to_work(const Position& machine) const {
-  return impl_->runner.state().coordinates.to_work(machine);
+  const MachineState& state = impl_->runner.state();
+  Position work = state.coordinates.to_work(machine);
+  if (state.diameter_programming) work[Axis::X] *= 2.0;
+  return work;
 }
 std::uint32_t Interpreter::next_line() const { return impl_->runner.next_line(); }
 std::uint64_t Interpreter::lines_run() const { return impl_->runner.lines_run(); }

@@ -110,7 +110,8 @@ class Interpreter {
 
   /// Machine position that the program has reached in the interpreter, and after the world moved it
   /// (jog in a pause, homing).
-  [[nodiscard]] const Position& position() const;
+  /// Under cutter compensation that of the tool, which an inside corner may still shorten.
+  [[nodiscard]] Position position() const;
   void set_position(const Position& machine_position);
 
   [[nodiscard]] const ModalState& modal() const;
@@ -118,11 +119,12 @@ class Interpreter {
   /// The tool that is in the spindle, 0 … 99, when the world knows better (start-up, change by
   /// hand).
   void set_tool_in_spindle(std::int32_t tool);
-  /// What is added to rotated and scaled work coordinates: work offset, G92, tool length
-  /// and the offset of the head. Without G68 and G51 work coordinates are machine coordinates −
-  /// this; to_work() is right always.
+  /// What is added to rotated and scaled work coordinates: work offset, G92, tool length and the
+  /// offset of the head. Without G68, G51 and diameter programming work coordinates are machine
+  /// coordinates − this; to_work() is right always.
   [[nodiscard]] Position total_offset() const;
-  /// Work coordinates of a machine position, as a program would write them.
+  /// Work coordinates of a machine position, as a program would write them: X as a diameter under
+  /// diameter programming. Lengths in mm.
   [[nodiscard]] Position to_work(const Position& machine) const;
   [[nodiscard]] Position work_position() const { return to_work(position()); }
   /// The line that next() will read next, from 1.

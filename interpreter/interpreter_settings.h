@@ -29,6 +29,9 @@ struct InterpreterSettings {
   bool absolute_arc_centres = false;                 ///< I J K are absolute (AbsoluteCenterCoords)
   bool block_delete = false;                         ///< lines that begin with "/" are skipped
   bool diameter_programming = false;  ///< X words are diameters (turning); arcs' I and R are not
+  /// Turning with the tool on the operator's side, X towards him: G2 G3 and G41 G42 turn and lie in
+  /// G18 as he sees them, mirrored to the standard (manual 3.4.11.2).
+  bool front_tool_post = false;
   bool automatic_tool_change = true;  ///< M6 calls the sub change_tool where there is one
   DialectId dialect = DialectId::eding;
   Library library;             ///< macro files; user_macro behind macro

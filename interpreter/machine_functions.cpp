@@ -1,6 +1,7 @@
 // T, comments and the M codes: everything but motion, coordinates, F and S.
 #include <fmt/format.h>
 
+#include "interpreter/cutter_compensation.h"
 #include "interpreter/execution.h"
 #include "interpreter/handlers.h"
 #include "interpreter/spindle.h"
@@ -98,6 +99,7 @@ Accepted stop_program(Execution& x) {
 // Only what changes is said again.
 Accepted end_program(Execution& x) {
   ModalState& modal = x.state().modal;
+  end_compensation(x);
   if (modal.plane != Plane::xy) x.emit(SelectPlane{Plane::xy});
   if (!modal.overrides_enabled()) x.emit(EnableOverrides{true, true});
   if (modal.torch_height) x.emit(UseTorchHeight{false});

@@ -1,5 +1,7 @@
 #include "interpreter/machine_state.h"
 
+#include <utility>
+
 namespace cnc::interp {
 
 void WorkCoordinates::set_work_offset(const Position& offset) {
@@ -21,6 +23,17 @@ void WorkCoordinates::set_tool_length(double x, double z) {
 void WorkCoordinates::set_head_offset(const Position& offset) {
   head_offset_ = offset;
   sum_up();
+}
+
+Position MachineState::machine_position() const {
+  return compensation.acts() ? with_plane_point(position, modal.plane, compensation.tip) : position;
+}
+
+void MachineState::arrive(const Position& machine) {
+  const Position programmed = std::exchange(position, machine);
+  if (!compensation.acts()) return;
+  compensation.put_tip(in_plane(machine, modal.plane));
+  position = with_plane_point(position, modal.plane, in_plane(programmed, modal.plane));
 }
 
 }  // namespace cnc::interp

@@ -6,6 +6,7 @@
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
 #include "interpreter/answer.h"
+#include "interpreter/cutter_compensation.h"
 #include "interpreter/modal_state.h"
 #include "interpreter/xy_transform.h"
 
@@ -67,16 +68,26 @@ struct CycleWords {
 struct MachineState {
   ModalState modal;
   WorkCoordinates coordinates;
-  CycleWords cycle;        ///< as modal.motion last had it, if that is a canned cycle
-  Position position;       ///< machine coordinates that the program has reached
-  LiveValues live;         ///< as the last answer gave them
-  bool rendering = false;  ///< #5397: nothing moves, everything goes as programmed
+  CycleWords cycle;  ///< as modal.motion last had it, if that is a canned cycle
+  CutterCompensation compensation;
+  Position position;                  ///< machine coordinates that the program has reached
+  LiveValues live;                    ///< as the last answer gave them
+  bool rendering = false;             ///< #5397: nothing moves, everything goes as programmed
+  bool diameter_programming = false;  ///< X words are diameters
+
+  /// Where the commands so far take the machine: beside `position` under cutter compensation.
+  [[nodiscard]] Position machine_position() const;
+  /// The machine stands here now.
+  void arrive(const Position& machine);
 
   [[nodiscard]] Position work_position() const { return coordinates.to_work(position); }
-  /// Program units of an axis to mm or degrees: inches exist for X Y Z only.
+  /// Program units of an axis word to mm or degrees: inches exist for X Y Z only, diameters for X.
   [[nodiscard]] double scale(Axis axis) const {
-    return is_rotary(axis) ? 1.0 : millimetres_per(modal.unit);
+    if (is_rotary(axis)) return 1.0;
+    const bool halves = axis == Axis::X && diameter_programming;
+    return halves ? millimetres_per(modal.unit) / 2.0 : millimetres_per(modal.unit);
   }
+  /// Of other lengths: I J K R are never diameters.
   [[nodiscard]] double scale() const { return millimetres_per(modal.unit); }
 };
 

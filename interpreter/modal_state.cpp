@@ -20,6 +20,7 @@ constexpr std::array<std::string_view, 2> kUnits{"G21", "G20"};
 constexpr std::array<std::string_view, 2> kDistances{"G90", "G91"};
 constexpr std::array<std::string_view, 3> kFeedModes{"G94", "G93", "G95"};
 constexpr std::array<std::string_view, 3> kPathModes{"G61", "G61.1", "G64"};
+constexpr std::array<std::string_view, 3> kCompensation{"G40", "G41", "G42"};
 constexpr std::array<std::string_view, 4> kLengths{"G49", "G43", "G43 H", "G43.1"};
 constexpr std::array<std::string_view, 9> kSystems{"G54", "G55",   "G56",   "G57",  "G58",
                                                    "G59", "G59.1", "G59.2", "G59.3"};
@@ -53,7 +54,7 @@ std::string ModalState::active_codes() const {
   const auto add = [&text](std::string_view code) { text.append(" ").append(code); };
   add(name_in(kPlanes, plane));
   add(name_in(kUnits, unit));
-  add("G40");
+  add(name_in(kCompensation, compensation));
   add(name_in(kLengths, length_source));
   if (length_source == LengthSource::table) text += std::to_string(length_tool);
   add(kSystems.at(static_cast<std::size_t>(work_system - 1)));

@@ -16,6 +16,9 @@ enum class RetractMode : std::uint8_t { old_position, r_position };
 /// Where the tool length comes from: G49; G43, follows M6; G43 H and G43.1, stay.
 enum class LengthSource : std::uint8_t { none, spindle_tool, table, words };
 
+/// G40 G41 G42, as programmed: a negative diameter runs on the other side.
+enum class CompensationSide : std::uint8_t { off, left, right };
+
 inline constexpr double kMillimetresPerInch = 25.4;
 [[nodiscard]] constexpr double millimetres_per(LengthUnit unit) {
   return unit == LengthUnit::inch ? kMillimetresPerInch : 1.0;
@@ -30,6 +33,19 @@ inline constexpr double kMillimetresPerInch = 25.4;
   return way / kSecondsPerMinute;
 }
 
+/// What G17 G18 G19, G20 G21 G70 G71 and G54 … G59.3 select; ten times the G number.
+[[nodiscard]] constexpr Plane plane_of(std::int32_t code) {
+  return code == 170 ? Plane::xy : code == 180 ? Plane::xz : Plane::yz;
+}
+[[nodiscard]] constexpr LengthUnit unit_of(std::int32_t code) {
+  return code == 200 || code == 700 ? LengthUnit::inch : LengthUnit::millimetre;
+}
+[[nodiscard]] constexpr std::int32_t work_system_of(std::int32_t code) {
+  constexpr std::int32_t kG54 = 540;
+  constexpr std::int32_t kG59 = 590;
+  return code <= kG59 ? (code - kG54) / 10 + 1 : code - kG59 + 6;
+}
+
 struct ModalState {
   std::int32_t motion = 800;  ///< ten times the G number of group 1; G80 = none
   Plane plane = Plane::xy;
@@ -42,6 +58,7 @@ struct ModalState {
   double linear_feed = 0.0;  ///< F of G94 for moves with X Y Z, mm/s; of G95, mm per revolution
   double rotary_feed = 0.0;  ///< F for moves of rotary axes only, degrees instead: never inches
   SetPathMode path;
+  CompensationSide compensation = CompensationSide::off;
   LengthSource length_source = LengthSource::none;
   std::int32_t length_tool = 0;  ///< H of G43 H
   std::int32_t work_system = 1;  ///< 1 … 9

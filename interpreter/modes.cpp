@@ -1,4 +1,4 @@
-// G17-G21, G40, G61-G64, G90, G91, G98, G99, G53: what only changes how later words are read.
+// G17-G21, G61-G64, G90, G91, G98, G99, G53: what only changes how later words are read.
 #include <fmt/format.h>
 
 #include "interpreter/execution.h"
@@ -19,22 +19,18 @@ Parsed<std::optional<double>> tolerance_word(const Execution& x, char letter, do
 }  // namespace
 
 Accepted select_plane(Execution& x) {
-  const Plane plane = x.code() == 170 ? Plane::xy : x.code() == 180 ? Plane::xz : Plane::yz;
+  const Plane plane = plane_of(x.code());
   x.state().modal.plane = plane;
   x.emit(SelectPlane{plane});
   return {};
 }
 
 Accepted use_length_unit(Execution& x) {
-  const bool inch = x.code() == 200 || x.code() == 700;
-  const LengthUnit unit = inch ? LengthUnit::inch : LengthUnit::millimetre;
+  const LengthUnit unit = unit_of(x.code());
   x.state().modal.unit = unit;
   x.emit(UseLengthUnit{unit});
   return {};
 }
-
-// Nothing to switch off: G41 and G42 are refused as unknown.
-Accepted cancel_cutter_compensation(Execution&) { return {}; }
 
 Accepted set_path_control(Execution& x) {
   SetPathMode path;

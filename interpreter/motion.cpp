@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 
 #include "interpreter/arc_geometry.h"
+#include "interpreter/contour_following.h"
 #include "interpreter/execution.h"
 #include "interpreter/handlers.h"
 #include "interpreter/moves.h"
@@ -13,6 +14,10 @@ namespace {
 
 constexpr std::int32_t kClockwiseArc = 20;  // G2
 constexpr std::int32_t kCancelMotion = 800;
+
+[[nodiscard]] bool turns_clockwise(const Execution& x) {
+  return (x.code() == kClockwiseArc) != is_mirrored(x);
+}
 
 /// I J K of the arc's plane; the third is an error.
 struct CentreWords {
@@ -86,19 +91,23 @@ Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const C
                               PlanePoint start, PlanePoint end) {
   const MachineState& state = x.state();
   const LengthUnit unit = state.modal.unit;
+  const CutterCompensation& comp = state.compensation;
+  const bool clockwise = turns_clockwise(x);
   if (x.block().has('R')) {
     const double radius =
         x.block().value('R') * state.scale() * state.coordinates.transform().x_factor();
     const bool half_circle = dialect(x.settings().dialect).short_radius_is_half_circle;
-    return centre_of_radius(start, end, radius, x.code() == kClockwiseArc, unit,
-                            half_circle ? ShortRadius::half_circle : ShortRadius::refused,
-                            x.block().span_of('R'));
+    const Span span = x.block().span_of('R');
+    if (comp.awaits_entry()) return entry_arc_centre(comp, end, radius, clockwise, span);
+    return centre_of_radius(start, end, radius, clockwise, unit,
+                            half_circle ? ShortRadius::half_circle : ShortRadius::refused, span);
   }
   const auto centre = centre_from_words(x, words, axes, start);
   if (!centre) return centre;
-  if (Accepted round = check_centre(start, end, *centre, unit, x.code_span()); !round) {
-    return std::unexpected(round.error());
-  }
+  const Accepted fits = comp.awaits_entry()
+                            ? check_entry_centre(comp, end, *centre, clockwise, unit, x.code_span())
+                            : check_centre(start, end, *centre, unit, x.code_span());
+  if (!fits) return std::unexpected(fits.error());
   return centre;
 }
 
@@ -109,21 +118,30 @@ Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const C
   return block.has(Step::non_modal) && block.code(Step::non_modal).axes != AxisUse::none;
 }
 
+Accepted straight_move(Execution& x, MoveKind kind) {
+  const Position end = target(x);
+  if (x.state().compensation.acts()) return follow_line(x, kind, end);
+  if (kind == MoveKind::rapid) {
+    move_rapid(x, end);
+  } else {
+    move_feed(x, end);
+  }
+  return {};
+}
+
 }  // namespace
 
 Accepted rapid_move(Execution& x) {
   x.state().modal.motion = x.code();
   if (!has_axis_words(x.block()) || non_modal_takes_axes(x.block())) return {};
-  move_rapid(x, target(x));
-  return {};
+  return straight_move(x, MoveKind::rapid);
 }
 
 Accepted feed_move(Execution& x) {
   x.state().modal.motion = x.code();
   if (!has_axis_words(x.block())) return {};  // "G1 F300"
   if (Accepted feed = check_feed(x); !feed) return feed;
-  move_feed(x, target(x));
-  return {};
+  return straight_move(x, MoveKind::feed);
 }
 
 Accepted arc_move(Execution& x) {
@@ -139,10 +157,12 @@ Accepted arc_move(Execution& x) {
   const auto centre =
       arc_centre(x, axes, words, in_plane(state.position, plane), in_plane(end, plane));
   if (!centre) return std::unexpected(centre.error());
-  use_feed_for(x, end);
-  x.emit(ArcMove{end, centre->first, centre->second, x.code() == kClockwiseArc ? -1 : 1, plane});
-  state.position = end;
   state.modal.motion = x.code();
+  const ArcMove arc{end, centre->first, centre->second, turns_clockwise(x) ? -1 : 1, plane};
+  if (state.compensation.acts()) return follow_arc(x, arc);
+  use_feed_for(x, end);
+  x.emit(arc);
+  state.position = end;
   return {};
 }
 

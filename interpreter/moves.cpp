@@ -105,6 +105,10 @@ void use_feed_for(Execution& x, const Position& end) {
   x.emit(SetFeedRate{modal.feed_mode, wanted});
 }
 
+bool is_mirrored(const Execution& x) {
+  return x.settings().front_tool_post && x.state().modal.plane == Plane::xz;
+}
+
 void move_rapid(Execution& x, const Position& end) {
   x.emit(RapidMove{end});
   x.state().position = end;

@@ -21,6 +21,9 @@ namespace cnc::interp {
 /// and degrees for rotary moves, and the commands carry either.
 void use_feed_for(Execution& x, const Position& end);
 
+/// Whether left and right, clockwise and counter-clockwise change places in the active plane.
+[[nodiscard]] bool is_mirrored(const Execution& x);
+
 void move_rapid(Execution& x, const Position& end);
 void move_feed(Execution& x, const Position& end);
 

@@ -103,10 +103,7 @@ Accepted cancel_tool_length(Execution& x) {
 }
 
 Accepted select_work_system(Execution& x) {
-  constexpr std::int32_t kG54 = 540;
-  constexpr std::int32_t kG59 = 590;
-  const std::int32_t code = x.code();
-  const std::int32_t system = code <= kG59 ? (code - kG54) / 10 + 1 : code - kG59 + 6;
+  const std::int32_t system = work_system_of(x.code());
   const Position offset = x.parameters().work_offset(system);
   x.state().modal.work_system = system;
   x.state().coordinates.set_work_offset(offset);

@@ -9,10 +9,19 @@
 namespace cnc::interp {
 namespace {
 
-[[nodiscard]] bool is_length(const ParameterMeaning& meaning, std::int32_t number) {
-  constexpr std::int32_t kLinear = 3;
-  return meaning.quantity == Quantity::length ||
-         (meaning.quantity == Quantity::position && number - meaning.first < kLinear);
+/// Program units to mm or degrees.
+[[nodiscard]] double scale_of(const ParameterMeaning& meaning, std::int32_t number,
+                              const MachineState& state) {
+  switch (meaning.quantity) {
+    case Quantity::length:
+      return state.scale();
+    case Quantity::position:
+      return state.scale(kAllAxes.at(static_cast<std::size_t>(number - meaning.first)));
+    case Quantity::plain:
+    case Quantity::whole:
+      break;
+  }
+  return 1.0;
 }
 
 }  // namespace
@@ -24,7 +33,7 @@ double ParameterAccess::get_system(std::int32_t number) const {
   const double value = meaning->read == nullptr ? store_.get(number)
                                                 : meaning->read({state_, tools_, settings_.machine},
                                                                 number - meaning->first);
-  return is_length(*meaning, number) ? value / state_.scale() : value;
+  return value / scale_of(*meaning, number, state_);
 }
 
 void ParameterAccess::set(std::int32_t number, double value) {
@@ -40,7 +49,7 @@ void ParameterAccess::set(std::int32_t number, double value) {
 double ParameterAccess::stored_value(const ParameterMeaning& meaning, std::int32_t number,
                                      double value) const {
   if (meaning.quantity == Quantity::whole) return std::nearbyint(value);
-  return is_length(meaning, number) ? value * state_.scale() : value;
+  return value * scale_of(meaning, number, state_);
 }
 
 config::Tool ParameterAccess::changed_tool(const ParameterMeaning& meaning,

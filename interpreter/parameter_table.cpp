@@ -39,7 +39,7 @@ constexpr std::string_view kRunMode = "Checking and running set it; #1 to #4999 
 constexpr std::string_view kWorkSystems = "A whole number from 1 (G54) to 9 (G59.3).";
 static_assert(config::kMaxToolLength == 10'000.0 && config::kMaxToolDiameter == 1'000.0);
 constexpr std::string_view kToolLengths = "-10000 to 10000 mm.";
-constexpr std::string_view kToolDiameters = "0 to 1000 mm.";
+constexpr std::string_view kToolDiameters = "-1000 to 1000 mm.";
 constexpr std::string_view kToolOrientations = "A whole number from 1 to 9.";
 
 // clang-format off

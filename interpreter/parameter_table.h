@@ -24,7 +24,7 @@ enum class Quantity : std::uint8_t {
   plain,
   whole,     ///< nothing but whole numbers
   length,    ///< in the program's unit
-  position,  ///< of the six axes: X Y Z lengths, A B C degrees
+  position,  ///< of the six axes: as the program writes their words
 };
 
 enum class Writing : std::uint8_t {

@@ -25,10 +25,12 @@ Accepted check_axes(const Execution& x) {
 /// Moves the common point to the words that are there, work coordinates.
 void use_point(Execution& x, char x_letter, char y_letter) {
   XyTransform& transform = x.state().coordinates.transform();
-  const double scale = x.state().scale();
+  const MachineState& state = x.state();
   const Block& block = x.block();
-  transform.set_point(block.has(x_letter) ? block.value(x_letter) * scale : transform.x_point(),
-                      block.has(y_letter) ? block.value(y_letter) * scale : transform.y_point());
+  const double x_scale = x_letter == 'X' ? state.scale(Axis::X) : state.scale();
+  transform.set_point(
+      block.has(x_letter) ? block.value(x_letter) * x_scale : transform.x_point(),
+      block.has(y_letter) ? block.value(y_letter) * state.scale() : transform.y_point());
 }
 
 /// When neither is left, the next one begins with its point at work zero again.

@@ -33,6 +33,7 @@ void Runner::reset() {
   state.modal.a_clamped = before.a_clamped;
   state.modal.clamp_port = before.clamp_port;
   state.modal.unit = settings_.default_unit;
+  state.diameter_programming = settings_.diameter_programming;
   if (settings_.absolute_arc_centres) state.modal.arc_distance = DistanceMode::absolute;
   state.modal.work_system = execution_.parameters().active_system();
   state.coordinates.set_work_offset(execution_.parameters().work_offset(state.modal.work_system));
@@ -49,7 +50,7 @@ void Runner::start(std::shared_ptr<const Program> program, const Position& posit
   access_.set_live(mode_ != RunMode::run);
   cursor_ = program_->begin_of(options.line);
   line_number_ = cursor_.line;
-  execution_.state().position = position;
+  execution_.state().arrive(position);
   execution_.state().rendering = mode_ != RunMode::run;
   execution_.begin(here());
   // The operator may have changed offsets and tools since the last program.
@@ -62,13 +63,14 @@ void Runner::leave_search(const Position& position) {
   search_line_ = 0;
   access_.set_live(false);
   execution_.state().rendering = false;
-  execution_.state().position = position;
+  execution_.state().arrive(position);
 }
 
 void Runner::stop() {
   program_ = nullptr;
   calls_.clear();
   cache_.clear();
+  execution_.release_held();
   execution_.commands().clear();
   execution_.forget_steps();
   taken_ = 0;
@@ -86,6 +88,7 @@ bool Runner::skip_failed_line() {
   if (!failed_) return false;
   failed_ = false;
   fails_after_commands_.reset();
+  execution_.release_held();
   execution_.forget_steps();
   return true;
 }
@@ -96,25 +99,27 @@ void Runner::enter_file(std::uint16_t file) {
 }
 
 Progress Runner::next() {
-  std::vector<Command>& commands = execution_.commands();
   for (std::uint32_t lines = 0;; ++lines) {
     if (waits_) {
       if (mode_ == RunMode::run) return Progress::waiting;
       answer(expected_answer());
     }
-    if (taken_ < commands.size()) {
+    if (taken_ < execution_.ready_count()) {
       hand_out();
       if (mode_ == RunMode::search) continue;  // nobody wants it
       return Progress::command;
     }
     if (failed_) return Progress::failed;
     if (fails_after_commands_) return fail(*fails_after_commands_);
-    commands.clear();
-    taken_ = 0;
+    execution_.drop_commands(std::exchange(taken_, 0));
     if (program_ == nullptr || execution_.program_ended()) return Progress::ended;
     if (lines >= settings_.lines_per_call) return Progress::working;
     const bool in_line = execution_.steps_left() != 0;
-    if (search_line_ != 0 && !in_line && search_is_over()) return Progress::found;
+    if (search_line_ != 0 && !in_line && search_is_over()) {
+      execution_.release_held();
+      execution_.drop_commands(0);
+      return Progress::found;
+    }
     if (Accepted done = in_line ? run_rest_of_line() : run_line(); !done) return fail(done.error());
   }
 }
@@ -291,6 +296,7 @@ Accepted Runner::show_text(const Line& line) {
   if (!complete) return std::unexpected(complete.error());
   if (!*complete) return {};
   execution_.begin(here());
+  execution_.release_held();  // the text lives only until the next line
   execution_.emit(Message{line.text_kind, evaluation_.text});
   if (line.text_kind == MessageKind::warning) {
     execution_.emit(ProgramStop{StopKind::program_stop});

@@ -60,7 +60,7 @@ TEST_CASE("A value out of range is refused and leaves the tool as it was", "[GCO
       {{.length = 10'001}, "length"},
       {{.length = kNan}, "length"},
       {{.x_offset = -10'001}, "xOffset"},
-      {{.diameter = -0.1}, "diameter"},
+      {{.diameter = -1001}, "diameter"},
       {{.diameter = 1001}, "diameter"},
       {{.orientation = 0}, "orientation"},
       {{.orientation = 10}, "orientation"},
@@ -101,5 +101,5 @@ TEST_CASE("A wrong line of the tool table is refused with its number", "[CFG-1]"
   check_refusal("0 0 0 6 9\n", ErrorCode::tool_bad_number, 1, "1 to 99");
   check_refusal("100 0 0 6 9\n", ErrorCode::tool_bad_number, 1, "Tool 100");
   check_refusal("1 0 0 6 9\n\n1 0 0 6 9\n", ErrorCode::tool_duplicate, 3, "Tool 1");
-  check_refusal("1 0 0 -6 9\n", ErrorCode::tool_bad_value, 1, "diameter is -6");
+  check_refusal("1 0 0 -1006 9\n", ErrorCode::tool_bad_value, 1, "diameter is -1006");
 }

@@ -56,6 +56,12 @@ TEST_CASE("Plain lines are interpreted without allocating", "[JOB-6]") {
   CHECK(allocations_of(text, 20) == 0);
 }
 
+TEST_CASE("Compensated lines are interpreted without allocating", "[JOB-6][GCO-4]") {
+  std::string text = "F100\nG41.1 D2\nG1 X10\n";
+  for (int i = 0; i < 1000; ++i) text += "Y10 M8\nX0\nY0\nX10\n";
+  CHECK(allocations_of(text, 20) == 0);
+}
+
 TEST_CASE("Rounds of a loop are interpreted without allocating", "[JOB-6][LNG-3]") {
   const std::string text =
       "F100\nwhile [#1 < 2000]\n#2=[50*cos[#1]] #3=[sin[#1]*2]\nif [#1 > 5]\nG1 X#2 Y[#3+1]\nelse\n"

@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <sstream>
 
+#include "interpreter/arc_geometry.h"
 #include "tests/interpreter/support.h"
 
 using namespace cnc;
@@ -24,10 +25,11 @@ bool corpus_missing() {
   return true;
 }
 
-CheckReport check_file(const std::string& name, const CheckOptions& options = {}) {
+CheckReport check_file(const std::string& name, const CheckOptions& options = {},
+                       const config::ToolTable& tools = {}) {
   const auto program = Program::open(kCorpus + name);
   REQUIRE(program.has_value());
-  return check(*program, {}, {}, {}, {}, options);
+  return check(*program, {}, {}, tools, {}, options);
 }
 
 /// A straight move as the corpus and these tests compare them.
@@ -57,6 +59,29 @@ std::vector<Stroke> expected_strokes(const std::string& text) {
     strokes.push_back(stroke);
   }
   return strokes;
+}
+
+/// Where the straight and round moves of a file of canonical commands in inches end, in mm.
+std::vector<PlanePoint> expected_ends(const std::string& text) {
+  std::vector<PlanePoint> ends;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("STRAIGHT_") == std::string::npos && line.find("ARC_FEED") == std::string::npos) {
+      continue;
+    }
+    PlanePoint end;
+    const char* numbers = line.c_str() + line.find('(');
+    REQUIRE(std::sscanf(numbers, "(%lf, %lf", &end.first, &end.second) == 2);
+    ends.push_back(25.4 * end);
+  }
+  return ends;
+}
+
+/// The tools of INDEX.md, inches of diameter.
+config::ToolTable tools_with(std::int32_t number, double inches) {
+  config::ToolTable tools;
+  REQUIRE(tools.set(number, {.diameter = 25.4 * inches, .description = {}}));
+  return tools;
 }
 
 struct Refused {
@@ -91,7 +116,8 @@ TEST_CASE("Wrong and unknown programs are refused on the right line", "[LNG-10]"
   const auto row = GENERATE(values<Refused>({
       {"linuxcnc--bad-arc.medium.metric.ngc", 6, ErrorCode::arc_radius_mismatch},
       {"linuxcnc--bad-no-feed-rate.ngc", 2, ErrorCode::feed_not_set},
-      {"linuxcnc--bad-ccomp-gouging.ngc", 3, ErrorCode::unknown_g_code},
+      {"linuxcnc--bad-ccomp-gouging.ngc", 6, ErrorCode::compensation_inside_corner},
+      {"fragmuffin--DB25.tap", 15, ErrorCode::word_out_of_range},  // G41 D1.5: no tool
       {"linuxcnc--daisy.ngc", 3, ErrorCode::o_word},
       {"linuxcnc--polar.ngc", 10, ErrorCode::unexpected_character},
       {"linuxcnc--3D_Chips.ngc", 8, ErrorCode::named_parameter},
@@ -112,6 +138,50 @@ TEST_CASE("Wrong and unknown programs are refused on the right line", "[LNG-10]"
   REQUIRE_FALSE(report.errors.empty());
   CHECK(report.errors[0].line == row.line);
   CHECK(report.errors[0].code == row.code);
+}
+
+TEST_CASE("Compensated programs of other people run with their tools", "[GCO-4]") {
+  if (corpus_missing()) return;
+  struct Row {
+    const char* file;
+    std::int32_t tool;
+    double inches;
+  };
+  const auto row = GENERATE(values<Row>({
+      {"linuxcnc--comp.ngc", 1, 0.25},
+      {"cncjs--helical-thread-milling.gcode", 8, 0.15},
+  }));
+  INFO(row.file);
+  const CheckReport report = check_file(row.file, {}, tools_with(row.tool, row.inches));
+  for (const Diagnostic& error : report.errors) UNSCOPED_INFO(error.to_string());
+  CHECK(report.ok());
+}
+
+TEST_CASE("Entry, arcs and corners go where LinuxCNC's expected moves go", "[GCO-4]") {
+  if (corpus_missing()) return;
+  const auto expected =
+      expected_ends(read_file(kCorpus + "linuxcnc--ccomp-line-arc-entry.expected.txt"));
+  REQUIRE(expected.size() == 20);
+  std::vector<PlanePoint> ends;
+  CheckOptions options;
+  const auto add = [&](const Position& end) { ends.push_back(in_plane(end, Plane::xy)); };
+  options.sink = [&](const Command& command) {
+    if (const auto* rapid = std::get_if<RapidMove>(&command.body)) add(rapid->end);
+    if (const auto* feed = std::get_if<FeedMove>(&command.body)) add(feed->end);
+    if (const auto* arc = std::get_if<ArcMove>(&command.body)) add(arc->end);
+  };
+  REQUIRE(check_file("linuxcnc--ccomp-line-arc-entry.ngc", options, tools_with(4, 1.0)).ok());
+  // The manual's entry move (figure A-6) is tangent to the tool where it stands, half an inch to
+  // the left of (1, 4): u = (sqrt(3), 1) / 2 turned by -90 degrees. An arc around (1, 4) leads to
+  // where LinuxCNC goes at once.
+  constexpr std::size_t kEntry = 11;
+  REQUIRE(ends.size() == expected.size() + 1);
+  CHECK(distance(ends[kEntry], 25.4 * PlanePoint{1 + std::sqrt(3.0) / 4, 4.25}) < 1e-9);
+  ends.erase(ends.begin() + kEntry);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    INFO("move " << i);
+    CHECK(distance(ends[i], expected[i]) < 1e-9);
+  }
 }
 
 TEST_CASE("NIST's expressions give the values that their comments state", "[LNG-2]") {
