@@ -26,6 +26,14 @@ struct Segment {
   double duration = 0.0;  ///< s
   Position position{};    ///< at the end, mm and degrees
   Position velocity{};    ///< at the end, per second
+  /// Starts at the spindle's next index pulse, to the tick; the segment before it has to end at a
+  /// standstill. No pulse within the driver's time-out is the fault index_missing.
+  bool wait_for_index = false;
+  /// Speed in rpm (1 … 1e6) that the segment was planned for: it passes as much faster or slower as
+  /// the spindle is measured to turn, up to 1.25 times, changing no faster than the axes'
+  /// configured acceleration allows. It and all that follows up to the next standstill must leave
+  /// that room below the maximum step frequency. A standing spindle holds it. 0 = as written.
+  double spindle_speed = 0.0;
 };
 
 /// Every output of the board; it is set as a whole. A fault switches all of them off, the drives as
@@ -50,6 +58,7 @@ enum class Fault : std::uint16_t {
   estop = 1 << 1,          ///< an estop input is active
   bad_segment = 1 << 2,    ///< a segment that cannot be executed (order, duration, step frequency)
   link_lost = 1 << 3,
+  index_missing = 1 << 4,  ///< the spindle's index pulse did not come
 };
 using Faults = std::uint16_t;
 
@@ -99,9 +108,9 @@ struct ControllerStatus {
   std::uint32_t fifo_count = 0;    ///< segments waiting, the executing one not counted
   double fifo_time = 0.0;          ///< seconds of motion still in the board, at full speed
   PathStop path_stop = PathStop::none;
-  double time_scale = 1.0;  ///< speed along the path against the segments' own, 0 … 1
-  bool moving = false;
-  Position position;  ///< from the step counters, mm and degrees
+  double time_scale = 1.0;  ///< speed along the path against the segments' own, 0 … 1.25
+  bool moving = false;      ///< or waiting for the spindle, with segments to execute
+  Position position;        ///< from the step counters, mm and degrees
   Inputs inputs{};
   double spindle_speed = 0.0;             ///< rpm from the index pulses, unsigned; 0 below 20 rpm
   std::uint32_t spindle_index_count = 0;  ///< pulses since power-up; wraps

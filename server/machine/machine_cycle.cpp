@@ -24,6 +24,9 @@ constexpr std::array kFaultTexts{
     FaultText{hal::Fault::bad_segment, ErrorCode::motion_fault,
               "The board refused a motion segment."},
     FaultText{hal::Fault::link_lost, ErrorCode::motion_fault, "The board lost the connection."},
+    FaultText{hal::Fault::index_missing, ErrorCode::motion_fault,
+              "The spindle's index pulse did not come: the spindle must turn, and its sensor be "
+              "connected to the Sync input."},
 };
 
 }  // namespace

@@ -59,7 +59,10 @@ class FuzzedBoard final : public BoardIo {
 // does not have to guess six 64-bit numbers to get anything moving.
 Segment next_segment(Bytes& bytes, Segment& tail) {
   Segment segment{.id = tail.id + 1, .duration = bytes.next<std::uint16_t>()};
-  const bool wild = bytes.next<std::uint8_t>() % 2 != 0;
+  const auto kind = bytes.next<std::uint8_t>();
+  const bool wild = kind % 2 != 0;
+  segment.wait_for_index = kind % 16 == 2;
+  segment.spindle_period = kind % 4 == 2 ? bytes.next<std::uint32_t>() : 0;
   if (wild) {
     segment.id = bytes.next<std::uint32_t>();
     segment.duration = bytes.next<std::uint32_t>();
@@ -135,6 +138,10 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
     require(core.status().path_stop != PathStop::stopped || !core.status().moving);
 
     board.present.home = bytes.next<std::uint8_t>();
+    if (const auto pulses = bytes.next<std::uint8_t>(); pulses < 16) {
+      board.present.index_count += pulses;
+      board.present.index_time = core.status().time;
+    }
     board.present.probe = bytes.next<std::uint8_t>() > 200;
     board.present.estop1 = bytes.next<std::uint8_t>() > 250;
     const Ticks ticks = bytes.next<std::uint16_t>();

@@ -23,10 +23,14 @@ class WatchedBoard final : public BoardIo {
     if (keep_pulses) pulses.push_back({axis, direction});
     ++pulse_count;
   }
-  Inputs inputs(Ticks) override { return read_inputs ? read_inputs() : Inputs{}; }
+  Inputs inputs(Ticks time) override {
+    now = time;
+    return read_inputs ? read_inputs() : Inputs{};
+  }
   void set_outputs(const Outputs& outputs) override { last_outputs = outputs; }
 
   PerAxis<std::int64_t> counts{};
+  Ticks now = 0;  // of the inputs asked for
   bool keep_pulses = false;
   std::vector<Pulse> pulses;
   std::uint64_t pulse_count = 0;

@@ -12,6 +12,7 @@ static_assert(firmware::kFifoUnderrun == static_cast<Faults>(Fault::fifo_underru
 static_assert(firmware::kEstop == static_cast<Faults>(Fault::estop));
 static_assert(firmware::kBadSegment == static_cast<Faults>(Fault::bad_segment));
 static_assert(firmware::kLinkLost == static_cast<Faults>(Fault::link_lost));
+static_assert(firmware::kIndexMissing == static_cast<Faults>(Fault::index_missing));
 
 constexpr double seconds(firmware::Ticks ticks) {
   return static_cast<double>(ticks) / double{firmware::kTicksPerSecond};
@@ -25,7 +26,17 @@ firmware::StepVelocity max_velocity_for(const DriverSettings& settings) {
   return firmware::velocity_of_frequency(std::llround(limit));
 }
 
-double speed_of(firmware::Ticks period) { return period == 0 ? 0.0 : 60.0 / seconds(period); }
+constexpr double kTicksPerMinute = 60.0 * double{firmware::kTicksPerSecond};
+
+// 0 for a speed that nothing can follow, and for what is not a number.
+std::uint32_t period_of(double speed) {
+  const bool usable = speed >= 1.0 && speed <= 1e6;
+  return usable ? static_cast<std::uint32_t>(std::lround(kTicksPerMinute / speed)) : 0;
+}
+
+double speed_of(firmware::Ticks period) {
+  return period == 0 ? 0.0 : kTicksPerMinute / static_cast<double>(period);
+}
 
 double phase_of(const firmware::Status& board) {
   if (board.executing_duration == 0) return 0.0;
@@ -62,6 +73,7 @@ firmware::Setup Cpu5Driver::setup() const {
   firmware::Setup result{
       .max_velocity = max_velocity_for(settings_),
       .host_timeout = std::llround(settings_.host_timeout * double{firmware::kTicksPerSecond}),
+      .index_timeout = std::llround(settings_.index_timeout * double{firmware::kTicksPerSecond}),
       .drives_off_on_fault = settings_.drives_off_on_fault};
   for (const Axis axis : kAllAxes) {
     if (!axes_[axis].connected()) continue;
@@ -123,7 +135,12 @@ std::size_t Cpu5Driver::push(std::span<const Segment> segments) {
 }
 
 firmware::Segment Cpu5Driver::to_board(const Segment& segment) {
-  firmware::Segment result{.id = segment.id, .duration = clock_.ticks_for(segment.duration)};
+  firmware::Segment result{.id = segment.id,
+                           .duration = clock_.ticks_for(segment.duration),
+                           .wait_for_index = segment.wait_for_index,
+                           .spindle_period = period_of(segment.spindle_speed)};
+  const bool refused = segment.spindle_speed != 0.0 && result.spindle_period == 0;
+  if (refused) result.duration = 0;  // by the board, as every bad segment is
   for (const Axis axis : kAllAxes) {
     const MotorScale& scale = scales_[axis];
     result.position[index_of(axis)] = scale.to_steps(segment.position[axis]);

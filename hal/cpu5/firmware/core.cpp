@@ -1,8 +1,5 @@
 #include "hal/cpu5/firmware/core.h"
 
-#include "hal/cpu5/firmware/path_stop.h"
-#include "hal/cpu5/firmware/slice_steps.h"
-
 namespace cnc::hal::cpu5::firmware {
 namespace {
 
@@ -22,7 +19,8 @@ bool in_range(const Setup& setup) {
   for (const StepAcceleration limit : setup.max_acceleration) {
     if (limit < 0 || limit > kTopAcceleration) return false;
   }
-  return setup.max_velocity > 0 && setup.max_velocity <= kTopVelocity && setup.host_timeout >= 0;
+  return setup.max_velocity > 0 && setup.max_velocity <= kTopVelocity && setup.host_timeout >= 0 &&
+         setup.index_timeout >= 0;
 }
 
 }  // namespace
@@ -55,6 +53,7 @@ bool Core::push(const Segment& segment) {
   fifo_ticks_ += segment.duration;
   tail_position_ = segment.position;
   tail_velocity_ = segment.velocity;
+  tail_scaled_ = may_be_scaled(segment) && segment.velocity != kStandstill;
   tail_id_ = segment.id;
   any_id_ = false;
   return true;
@@ -63,15 +62,23 @@ bool Core::push(const Segment& segment) {
 bool Core::acceptable(const Segment& segment) const {
   const bool in_order = any_id_ ? segment.id != 0 : segment.id == id_after(tail_id_);
   if (!in_order || segment.duration == 0 || segment.duration > kMaxSegmentTicks) return false;
+  if (segment.wait_for_index && tail_velocity_ != kStandstill) return false;
+  const StepVelocity max_velocity =
+      may_be_scaled(segment) ? setup_.max_velocity * kFullScale / kTopScale : setup_.max_velocity;
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     if (!within(segment.position[axis], kMaxPosition)) return false;
     const AxisMotion motion{.distance = segment.position[axis] - tail_position_[axis],
                             .start_velocity = tail_velocity_[axis],
                             .end_velocity = segment.velocity[axis],
                             .duration = segment.duration};
-    if (!slow_enough(motion, setup_.max_velocity)) return false;
+    if (!slow_enough(motion, max_velocity)) return false;
   }
   return true;
+}
+
+// A scale that differs from 1 stays with the path until it stands.
+bool Core::may_be_scaled(const Segment& segment) const {
+  return segment.spindle_period != 0 || tail_scaled_;
 }
 
 void Core::quick_stop() { stop_pulses(); }
@@ -114,129 +121,6 @@ void Core::arm_probe() {
 
 void Core::disarm_probe() { probe_.armed = false; }
 
-// --- time ----------------------------------------------------------------------------------------
-
-void Core::advance(Ticks ticks) {
-  time_given_ += ticks;
-  while (executing_ || start_next_segment()) {
-    const Ticks length = slice_length();
-    if (time_ + length > time_given_) return;
-    time_ += length;
-    run_slice(length);
-  }
-  time_ = time_given_;
-  sample_inputs();
-  if (host_silent()) fail(kLinkLost);
-}
-
-// What the host has sent ends in a planned stop as long as the host is well, so a silent one's
-// segments are still executed: that is gentler than a stop on the spot.
-bool Core::host_silent() const {
-  return host_known_ && setup_.host_timeout > 0 && time_ - host_heard_ > setup_.host_timeout;
-}
-
-bool Core::start_next_segment() {
-  if (fifo_.empty()) return false;
-  segment_ = fifo_.pop();
-  fifo_ticks_ -= segment_.duration;
-  executing_ = true;
-  elapsed_ = 0;
-  start_position_ = position_;
-  moving_axes_ = 0;
-  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
-    const AxisMotion motion{.distance = segment_.position[axis] - start_position_[axis],
-                            .start_velocity = start_velocity_[axis],
-                            .end_velocity = segment_.velocity[axis],
-                            .duration = segment_.duration};
-    if (motion.stands_still()) continue;
-    cubics_[axis] = Cubic(motion);
-    moving_axes_ |= axis_bit(axis);
-  }
-  return true;
-}
-
-// While path time runs as time does, a slice ends with its segment at the latest.
-Ticks Core::slice_length() const {
-  if (time_scale_ != kFullScale) return kSliceTicks;
-  const Ticks rest = segment_.duration - (elapsed_ >> kPathFractionBits);
-  return rest < kSliceTicks ? rest : kSliceTicks;
-}
-
-void Core::run_slice(Ticks length) {
-  sample_inputs();
-  if (!executing_) return;
-  run_path(path_time_passing(length));
-  if (executing_ && time_scale_ == 0) complete_stop();
-}
-
-PathTime Core::path_time_passing(Ticks length) {
-  const TimeScale before = time_scale_;
-  if (path_stop_ == PathStop::stopping) time_scale_ -= scale_loss(length);
-  return length * (before + time_scale_) >> (1 + kScaleBits - kPathFractionBits);
-}
-
-TimeScale Core::scale_loss(Ticks length) const {
-  const Ticks elapsed = elapsed_ >> kPathFractionBits;
-  TimeScale loss = time_scale_;
-  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
-    if ((moving_axes_ & axis_bit(axis)) == 0) continue;
-    const PathDerivatives derivatives{.velocity = cubics_[axis].velocity_after(elapsed),
-                                      .acceleration = cubics_[axis].acceleration_after(elapsed)};
-    const TimeScale allowed =
-        allowed_loss(derivatives, setup_.max_acceleration[axis], time_scale_, length);
-    if (allowed < loss) loss = allowed;
-  }
-  return loss;
-}
-
-// Each segment's own piece of the way is stepped by itself, so that a corner is not cut.
-void Core::run_path(PathTime way) {
-  while (executing_) {
-    const PathTime rest = path_time(segment_.duration) - elapsed_;
-    const PathTime piece = way < rest ? way : rest;
-    elapsed_ += piece;
-    way -= piece;
-    SliceSteps steps;
-    place_axes(steps);
-    emit(steps);
-    if (executing_ && piece == rest) finish_segment();
-    if (way == 0 || (!executing_ && !start_next_segment())) return;
-  }
-}
-
-void Core::place_axes(SliceSteps& steps) {
-  const bool at_end = elapsed_ == path_time(segment_.duration);
-  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
-    if ((moving_axes_ & axis_bit(axis)) == 0) continue;
-    const StepPosition target = at_end
-                                    ? segment_.position[axis]
-                                    : start_position_[axis] + cubics_[axis].distance_at(elapsed_);
-    steps.add(axis, position_[axis], target);
-    position_[axis] = target;
-  }
-}
-
-// An armed axis reads the inputs after each of its steps, an armed probe after every step: the
-// latch catches the very step at which the switch changed, at any speed. An estop seen there ends
-// the slice too.
-void Core::emit(SliceSteps& steps) {
-  while (!steps.empty() && executing_) {
-    const SliceSteps::Step step = steps.take();
-    counts_[step.axis] += step.direction;
-    io_.step(step.axis, step.direction);
-    if (probe_.armed || (armed_axes_ & axis_bit(step.axis)) != 0) sample_inputs();
-  }
-}
-
-void Core::finish_segment() {
-  executing_ = false;
-  start_velocity_ = segment_.velocity;
-  constexpr PerAxis<StepVelocity> kStandstill{};
-  if (!fifo_.empty()) return;
-  if (start_velocity_ != kStandstill) return fail(kFifoUnderrun);
-  if (path_stop_ == PathStop::stopping) complete_stop();
-}
-
 // --- inputs and stops ----------------------------------------------------------------------------
 
 void Core::sample_inputs() {
@@ -269,10 +153,11 @@ void Core::catch_probe() {
 }
 
 // Between two calls of advance() an unfinished path is executing, so otherwise the machine stands.
+// It also does while it waits for the spindle.
 void Core::begin_stop() {
   if (path_stop_ != PathStop::none) return;
   path_stop_ = PathStop::stopping;
-  if (!executing_) complete_stop();
+  if (!executing_ || waiting_for_index_) complete_stop();
 }
 
 void Core::complete_stop() {
@@ -284,6 +169,7 @@ void Core::complete_stop() {
 // owed to anyone.
 void Core::stop_pulses() {
   executing_ = false;
+  waiting_for_index_ = false;
   path_stop_ = PathStop::none;
   time_scale_ = kFullScale;
   fifo_.clear();
@@ -295,6 +181,7 @@ void Core::stop_pulses() {
   start_velocity_ = {};
   tail_position_ = position_;
   tail_velocity_ = {};
+  tail_scaled_ = false;
 }
 
 void Core::fail(FaultBits fault) {

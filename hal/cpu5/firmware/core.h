@@ -17,6 +17,13 @@
 // the path before would now be wrong, so the board drops segments without a word until
 // release_stop(). The host asks for such a stop, or the probe latch begins one when it catches.
 //
+// A segment may wait for the spindle's index pulse and then counts its time from the very moment of
+// the pulse, whenever the core saw it: threads cut in several passes meet. A segment that follows
+// the spindle passes at the part that the measured speed is of the planned one, smoothed by
+// kFollowSmoothing and changed no faster than the axes' acceleration allows, up to kTopScale. Its
+// own speed, and that of what comes after it up to the next standstill, leaves that room below
+// Setup::max_velocity.
+//
 // Every fault stops the pulses at once, empties the FIFO, makes the outputs safe, and holds until
 // clear_faults(): meanwhile segments and outputs are refused. Where the pulses stopped is where the
 // next segment starts. Not thread-safe.
@@ -24,6 +31,7 @@
 
 #include "hal/cpu5/firmware/board_io.h"
 #include "hal/cpu5/firmware/hermite.h"
+#include "hal/cpu5/firmware/path_stop.h"
 #include "hal/cpu5/firmware/segment_fifo.h"
 #include "hal/cpu5/firmware/spindle_meter.h"
 
@@ -33,6 +41,8 @@ class SliceSteps;
 
 inline constexpr std::uint32_t kFifoCapacity = 256;
 inline constexpr Ticks kSliceTicks = 1000;
+/// In each slice the scale goes this part of its way to the measured ratio: 6.4 ms time constant.
+inline constexpr TimeScale kFollowSmoothing = 64;
 
 class Core {
  public:
@@ -71,13 +81,19 @@ class Core {
 
  private:
   [[nodiscard]] bool acceptable(const Segment& segment) const;
+  [[nodiscard]] bool may_be_scaled(const Segment& segment) const;
   [[nodiscard]] bool host_silent() const;
   bool start_next_segment();
   void finish_segment();
   [[nodiscard]] Ticks slice_length() const;
   void run_slice(Ticks length);
   PathTime path_time_passing(Ticks length);
-  [[nodiscard]] TimeScale scale_loss(Ticks length) const;
+  [[nodiscard]] TimeScale wanted_scale() const;
+  [[nodiscard]] TimeScale scale_from_standstill() const;
+  [[nodiscard]] TimeScale spindle_ratio() const;
+  using Allowance = TimeScale (*)(const PathDerivatives&, StepAcceleration, TimeScale, Ticks);
+  [[nodiscard]] TimeScale least_allowed(Allowance allowance, TimeScale change, Ticks length) const;
+  void wait_for_index();
   void run_path(PathTime way);
   void place_axes(SliceSteps& steps);
   void emit(SliceSteps& steps);
@@ -104,6 +120,7 @@ class Core {
   Ticks fifo_ticks_ = 0;
   PerAxis<StepPosition> tail_position_{};  // where the last accepted segment ends
   PerAxis<StepVelocity> tail_velocity_{};
+  bool tail_scaled_ = false;
   std::uint32_t tail_id_ = 0;
   bool any_id_ = true;
 
@@ -112,6 +129,9 @@ class Core {
   PathTime elapsed_ = 0;
   TimeScale time_scale_ = kFullScale;
   PathStop path_stop_ = PathStop::none;
+  bool waiting_for_index_ = false;
+  std::uint32_t index_count_before_ = 0;  // the wait
+  Ticks wait_begin_ = 0;
   PerAxis<Cubic> cubics_;
   std::uint8_t moving_axes_ = 0;
   PerAxis<StepPosition> start_position_{};  // of the segment in execution

@@ -6,7 +6,8 @@
 //   velocity  int64 in units of 2^-32 step per tick: one unit is 0.0023 steps/s
 //   accel.    int64 in units of 2^-56 step per tick^2: one unit is 0.0014 steps/s^2
 //   path time int64 in units of 2^-20 tick: the time that segments are written in
-//   scale     int64 in units of 2^-30: path time per time; kFullScale unless the board slows down
+//   scale     int64 in units of 2^-30: path time per time; kFullScale unless the board stops along
+//             the path or follows the spindle
 //
 // The 64-bit products in hermite.cpp hold because a velocity is at most kTopVelocity (500 kHz) and
 // a segment at most kMaxSegmentTicks (0.105 s) long; the core checks both before it uses a segment.
@@ -36,9 +37,12 @@ inline constexpr int kPathFractionBits = 20;
 using TimeScale = std::int64_t;
 inline constexpr int kScaleBits = 30;
 inline constexpr TimeScale kFullScale = TimeScale{1} << kScaleBits;
+/// Of a segment that follows a spindle faster than it was planned for.
+inline constexpr TimeScale kTopScale = kFullScale + kFullScale / 4;
 
 using StepPosition = std::int64_t;
 using StepVelocity = std::int64_t;
+inline constexpr PerAxis<StepVelocity> kStandstill{};
 inline constexpr int kFractionBits = 32;
 inline constexpr StepPosition kOneStep = StepPosition{1} << kFractionBits;
 /// Half the range, so that the way between any two positions fits too.

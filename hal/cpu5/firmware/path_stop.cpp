@@ -33,4 +33,10 @@ TimeScale allowed_loss(const PathDerivatives& axis, StepAcceleration max_acceler
   return loss < kFullScale ? loss : kFullScale;
 }
 
+TimeScale allowed_gain(const PathDerivatives& axis, StepAcceleration max_acceleration,
+                       TimeScale scale, Ticks length) {
+  return allowed_loss({.velocity = axis.velocity, .acceleration = -axis.acceleration},
+                      max_acceleration, scale, length);
+}
+
 }  // namespace cnc::hal::cpu5::firmware

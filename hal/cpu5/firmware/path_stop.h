@@ -22,8 +22,11 @@ struct PathDerivatives {
 };
 
 /// How much scale an axis allows to be lost within `length` ticks; kFullScale if it sets no limit.
-/// `max_acceleration` 0 … kTopAcceleration, 0 = none; `scale` 0 … kFullScale; length <= 2^10.
+/// `max_acceleration` 0 … kTopAcceleration, 0 = none; `scale` 0 … kTopScale; length <= 2^10.
 [[nodiscard]] TimeScale allowed_loss(const PathDerivatives& axis, StepAcceleration max_acceleration,
+                                     TimeScale scale, Ticks length);
+/// How much it allows to be gained: the same with the plan's acceleration turned round.
+[[nodiscard]] TimeScale allowed_gain(const PathDerivatives& axis, StepAcceleration max_acceleration,
                                      TimeScale scale, Ticks length);
 
 }  // namespace cnc::hal::cpu5::firmware

@@ -11,6 +11,11 @@ struct Segment {
   std::uint32_t duration = 0;        ///< ticks, 1 … kMaxSegmentTicks
   PerAxis<StepPosition> position{};  ///< at the end
   PerAxis<StepVelocity> velocity{};  ///< at the end
+  /// Starts at the spindle's next index pulse. The segment before it ends at a standstill.
+  bool wait_for_index = false;
+  /// Ticks per revolution that it was planned for: it passes as much faster or slower as the
+  /// spindle turns. 0 = as written, whatever the spindle does.
+  std::uint32_t spindle_period = 0;
 };
 
 /// Digital ports, one bit each: AUX1 … AUX16, then eight of each of three I/O cards.
@@ -64,6 +69,7 @@ inline constexpr FaultBits kFifoUnderrun = 1 << 0;  ///< ran dry while moving
 inline constexpr FaultBits kEstop = 1 << 1;         ///< estop input active
 inline constexpr FaultBits kBadSegment = 1 << 2;    ///< order, duration, range or step frequency
 inline constexpr FaultBits kLinkLost = 1 << 3;      ///< host silent for longer than the time-out
+inline constexpr FaultBits kIndexMissing = 1 << 4;  ///< no spindle index within the time-out
 
 enum class Edge : std::uint8_t { activate, release };
 
@@ -90,6 +96,7 @@ struct ProbeLatch {
 struct Setup {
   StepVelocity max_velocity = 0;  ///< faster segments are refused; 1 … kTopVelocity
   Ticks host_timeout = 0;         ///< silence after which the link counts as lost; 0 = never
+  Ticks index_timeout = 0;        ///< for a segment that waits for the spindle's index; 0 = never
   bool drives_off_on_fault = true;
   /// That a stop along the path keeps to; 1 … kTopAcceleration, 0 = the axis sets no limit.
   PerAxis<StepAcceleration> max_acceleration{};
