@@ -157,6 +157,26 @@ TEST_CASE("Compensated programs of other people run with their tools", "[GCO-4]"
   CHECK(report.ok());
 }
 
+TEST_CASE("The compensated contours of a Haas program fit their tools", "[GCO-4]") {
+  if (corpus_missing()) return;
+  // Its chip conveyor, for one, is unknown here; its profile and pocket are not at fault.
+  config::ToolTable tools = tools_with(1, 0.5);
+  REQUIRE(tools.set(2, {.diameter = 25.4 * 0.375, .description = {}}));
+  int arcs = 0;
+  CheckOptions options;
+  options.sink = [&](const Command& command) {
+    if (const auto* arc = std::get_if<ArcMove>(&command.body)) arcs += arc->turns != 0 ? 1 : 0;
+  };
+  const CheckReport report = check_file("enier290188--mill_hp_4.nc", options, tools);
+  for (const Diagnostic& error : report.errors) {
+    INFO(error.to_string());
+    CHECK((error.code < ErrorCode::compensation_offset_change ||
+           error.code > ErrorCode::compensation_entry_arc));
+  }
+  CHECK(report.complete);
+  CHECK(arcs >= 6);
+}
+
 TEST_CASE("Entry, arcs and corners go where LinuxCNC's expected moves go", "[GCO-4]") {
   if (corpus_missing()) return;
   const auto expected =

@@ -201,6 +201,43 @@ TEST_CASE("Commands in an inside corner stay in their place", "[GCO-4]") {
         "SET_COOLANT(MIST_OFF, FLOOD_OFF)");
 }
 
+TEST_CASE("A refused move leaves the move before it as long as it was", "[GCO-4]") {
+  // The square corner would shorten X20 to X17, but A is clamped.
+  const auto program =
+      Program::from_text("G0 X-20 Y3\nF9 G41.1 D6\nG1 X0 Y0\nM26\nX20\nY20 A5\nX40\nG40\nM30\n",
+                         "test.ngc")
+          .value();
+  std::vector<double> ends;
+  CheckOptions options;
+  options.sink = [&](const Command& command) {
+    if (const auto* feed = std::get_if<FeedMove>(&command.body)) ends.push_back(feed->end[Axis::X]);
+  };
+  const CheckReport report = check(program, {}, {}, {}, {}, options);
+  REQUIRE(report.errors.size() == 1);
+  CHECK(report.errors[0].code == ErrorCode::axis_clamped);
+  REQUIRE(ends.size() == 3);
+  CHECK(ends[1] == Approx(20.0));
+  CHECK(ends[2] == Approx(40.0));
+}
+
+TEST_CASE("A search ends beside the contour and goes on there", "[GCO-4][JOB-8]") {
+  Bench bench;
+  Interpreter interpreter(bench.settings, bench.parameters, bench.tools);
+  const auto program =
+      Program::from_text("G0 X-20 Y3\nF9 G41.1 D6\nG1 X0 Y0\nX20\nX40\nG40\nM30\n", "job").value();
+  interpreter.start(program, {}, {.mode = RunMode::search, .search_line = 5});
+  REQUIRE(interpreter.next() == Progress::found);
+  const ResumePoint point = interpreter.resume_point();
+  CHECK(point.position[Axis::X] == Approx(20.0));
+  CHECK(point.position[Axis::Y] == Approx(3.0));
+  interpreter.leave_search(point.position);
+  REQUIRE(interpreter.next() == Progress::command);
+  const auto* move = std::get_if<FeedMove>(&interpreter.command().body);
+  REQUIRE(move != nullptr);
+  CHECK(move->end[Axis::X] == Approx(40.0));
+  CHECK(move->end[Axis::Y] == Approx(3.0));
+}
+
 TEST_CASE("A stop on a contour happens where the program stops", "[GCO-4]") {
   const std::string begin = "G0 X-20 Y3\nF60 G41.1 D6\nG1 X0 Y0\n";
   const std::string text = commands_of(begin + "X20\nM0\nX40\nG40\n");
