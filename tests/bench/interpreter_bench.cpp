@@ -128,6 +128,7 @@ double interpret(const std::shared_ptr<const Program>& program) {
         break;
       case Progress::working:
       case Progress::waiting:
+      case Progress::found:
         break;
       case Progress::failed:
         fmt::print("{}", interpreter.diagnostic().to_string());
