@@ -128,8 +128,7 @@ double curvature_of(const ContourPiece& piece) {
 double length_of(const ContourPiece& piece) {
   if (!piece.is_arc()) return distance(piece.start, piece.end);
   const bool closed = distance(piece.start, piece.end) < kSamePoint;
-  const double first_turn = closed ? kTurn : sweep(piece, piece.start, piece.end);
-  const double angle = first_turn + kTurn * (std::abs(piece.turns) - 1);
+  const double angle = closed ? kTurn : sweep(piece, piece.start, piece.end);
   return angle * (radius_at(piece, piece.start) + radius_at(piece, piece.end)) / 2.0;
 }
 
@@ -175,11 +174,6 @@ std::optional<ContourPiece> entry_line(PlanePoint tool, PlanePoint target, doubl
   const PlanePoint direction =
       1.0 / (hypotenuse * hypotenuse) * (way * apart + offset * left_of(apart));
   return ContourPiece{.start = target - way * direction, .end = target, .centre = {}, .turns = 0};
-}
-
-std::int32_t turns_of(double length, double radius, bool clockwise) {
-  const double turns = std::max(1.0, std::ceil(length / (kTurn * radius) - kSamePoint));
-  return static_cast<std::int32_t>(clockwise ? -turns : turns);
 }
 
 }  // namespace cnc::interp

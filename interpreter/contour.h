@@ -16,7 +16,7 @@ struct ContourPiece {
   PlanePoint start;
   PlanePoint end;
   PlanePoint centre;       ///< of an arc
-  std::int32_t turns = 0;  ///< as in ArcMove; 0 = straight
+  std::int32_t turns = 0;  ///< 1 counter-clockwise, -1 clockwise, at most once around; 0 = straight
 
   [[nodiscard]] bool is_arc() const { return turns != 0; }
 };
@@ -57,8 +57,5 @@ struct Crossing {
 /// path is tangent to the tool where it stands. Nothing when the tool covers `target`.
 [[nodiscard]] std::optional<ContourPiece> entry_line(PlanePoint tool, PlanePoint target,
                                                      double offset);
-
-/// `turns` of an arc of this radius that is `length` long.
-[[nodiscard]] std::int32_t turns_of(double length, double radius, bool clockwise);
 
 }  // namespace cnc::interp

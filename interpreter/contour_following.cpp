@@ -95,19 +95,14 @@ Parsed<Crossing> find_crossing(const Execution& x, const ContourPiece& before, c
 }
 
 /// The held-back move ends at `crossing`, and so does all that followed it without moving on.
-void shorten_held_move(Execution& x, const ContourPiece& before, const Crossing& crossing) {
+void shorten_held_move(Execution& x, PlanePoint crossing) {
   const MachineState& state = x.state();
-  const CutterCompensation& comp = state.compensation;
-  for (std::size_t i = *comp.held; i < x.commands().size(); ++i) {
+  for (std::size_t i = *state.compensation.held; i < x.commands().size(); ++i) {
     CommandBody& body = x.commands()[i].body;
-    const auto bend = [&](Position& end) { end = at_tip(state, end, crossing.point); };
+    const auto bend = [&](Position& end) { end = at_tip(state, end, crossing); };
     if (auto* rapid = std::get_if<RapidMove>(&body)) bend(rapid->end);
     if (auto* feed = std::get_if<FeedMove>(&body)) bend(feed->end);
-    if (auto* arc = std::get_if<ArcMove>(&body)) {
-      bend(arc->end);
-      arc->turns = turns_of(comp.length_left - crossing.back, distance(before.centre, before.end),
-                            arc->turns < 0);
-    }
+    if (auto* arc = std::get_if<ArcMove>(&body)) bend(arc->end);
   }
 }
 
@@ -164,7 +159,7 @@ Parsed<double> pass_corner(Execution& x, const Leg& leg) {
   }
   const auto crossing = find_crossing(x, *before, leg, angle);
   if (!crossing) return std::unexpected(crossing.error());
-  shorten_held_move(x, *before, *crossing);
+  shorten_held_move(x, crossing->point);
   return crossing->forward;
 }
 
@@ -189,8 +184,7 @@ Accepted follow(Execution& x, MoveKind kind, const Position& end, const ContourP
   comp.length_left = leg.length - *taken;
   const Position tip = at_tip(state, end, path->end);
   if (path->is_arc()) {
-    emit_arc(x, tip, path->centre,
-             turns_of(comp.length_left, distance(path->centre, path->end), path->turns < 0));
+    emit_arc(x, tip, path->centre, path->turns);
   } else {
     emit_straight(x, kind, tip);
   }

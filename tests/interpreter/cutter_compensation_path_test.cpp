@@ -185,6 +185,17 @@ TEST_CASE("Inside corners end where the paths cross", "[GCO-4]") {
   }
 }
 
+TEST_CASE("Round once stays round once", "[GCO-4]") {
+  const std::string begin = "G0 X-20 Y3\nF9 G41.1 D6\nG1 X0 Y0\n";
+  const auto full = path_of({}, begin + "G3 J10\nG1 X20\n");
+  check_ends(full, {{-20, 3}, {0, 3}, {0, 3}, {20, 3}});
+  CHECK(full[2].piece.turns == 1);
+  // Almost full, 99.91 mm at its end instead of 100, as rounded programs have it.
+  const auto spiral = path_of({}, begin + "G3 X-0.1 Y0.09 J100\n");
+  CHECK(spiral.back().piece.turns == 1);
+  CHECK(spiral.back().end[Axis::Y] == Approx(3.09).margin(1e-4));
+}
+
 TEST_CASE("Commands in an inside corner stay in their place", "[GCO-4]") {
   CHECK(commands_of("G0 X-20 Y3\nF60 G41.1 D6\nG1 X0 Y0\nX20 (along)\nM8\nG4 P1\nZ-1 F120\nY20\n"
                     "G40\nM9\n") ==
