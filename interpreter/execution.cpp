@@ -48,8 +48,10 @@ Accepted Execution::run(const Block& block, SourceLine source, StepSet steps) {
     held_before_.assign(commands_.begin() + static_cast<std::ptrdiff_t>(*held), commands_.end());
   }
   Accepted done = run_steps(steps);
-  if (done) done = check_clamp(before.position[Axis::A], commands_before);
-  if (done) done = check_settings();
+  if (done && state_.modal.a_clamped) {
+    done = check_clamp(before.position[Axis::A], commands_before);
+  }
+  if (done && !block.settings().empty()) done = check_settings();
   if (!done) {
     undo(before, commands_before);
     return done;
@@ -101,7 +103,6 @@ void Execution::drop_commands(std::size_t count) {
 // Whatever code turns the axis: the brake does not ask which (manual 3.5.10).
 Accepted Execution::check_clamp(double a, std::size_t first) const {
   constexpr double kSameAngle = 1e-6;
-  if (!state_.modal.a_clamped) return {};
   for (std::size_t i = first; i < commands_.size(); ++i) {
     const Position* end = end_of(commands_[i].body);
     if (end == nullptr || std::abs((*end)[Axis::A] - a) < kSameAngle) continue;
@@ -115,7 +116,6 @@ Accepted Execution::check_clamp(double a, std::size_t first) const {
 
 // They have been checked when they were computed; G20 or G21 on their line changes their unit.
 Accepted Execution::check_settings() const {
-  if (block_->settings().empty()) return {};
   const ParameterAccess access(settings_, parameters_, tools_, state_);
   const bool offsets_are_fixed = state_.modal.compensation != CompensationSide::off;
   for (const ParameterSetting& setting : block_->settings()) {
@@ -145,6 +145,7 @@ void Execution::apply_settings() {
   bool tools_changed = false;
   for (const ParameterSetting& setting : block_->settings()) {
     set_now(setting.number, setting.value);
+    if (!ParameterAccess::is_system(setting.number)) continue;
     offsets_changed |= ParameterAccess::affects_offsets(setting.number);
     tools_changed |= ParameterAccess::affects_tools(setting.number);
   }

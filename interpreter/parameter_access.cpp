@@ -75,9 +75,8 @@ Accepted ParameterAccess::check_writable(std::int32_t number, Span span) {
   return {};
 }
 
-Accepted ParameterAccess::check(const ParameterSetting& setting) const {
+Accepted ParameterAccess::check_system(const ParameterSetting& setting) const {
   const auto& [number, value, span] = setting;
-  if (!is_system(number)) return {};
   if (Accepted writable = check_writable(number, span); !writable) return writable;
   if (!(std::abs(value) <= kMaxWordValue)) {  // NaN too
     return refuse(ErrorCode::word_out_of_range, span,

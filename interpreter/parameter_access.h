@@ -42,7 +42,9 @@ class ParameterAccess {
   /// Refuses what only the machine writes.
   [[nodiscard]] static Accepted check_writable(std::int32_t number, Span span);
   /// Refuses also values that the parameter cannot have.
-  [[nodiscard]] Accepted check(const ParameterSetting& setting) const;
+  [[nodiscard]] Accepted check(const ParameterSetting& setting) const {
+    return is_system(setting.number) ? check_system(setting) : Accepted{};
+  }
   /// Whether it has a meaning for the machine.
   [[nodiscard]] static constexpr bool is_system(std::int32_t number) {
     return number >= kFirstSystem;
@@ -56,6 +58,7 @@ class ParameterAccess {
   static constexpr std::int32_t kFirstSystem = 5000;
 
   [[nodiscard]] double get_system(std::int32_t number) const;
+  [[nodiscard]] Accepted check_system(const ParameterSetting& setting) const;
 
   [[nodiscard]] double stored_value(const ParameterMeaning& meaning, std::int32_t number,
                                     double value) const;

@@ -68,7 +68,7 @@ TEST_CASE("Habits of CAM systems are warned of once, and refused when strict", "
     const char* text;
     const char* strict;  ///< refusal
   };
-  const std::string long_line = "(" + std::string(260, 'x') + ")\n";
+  static const std::string long_line = "(" + std::string(260, 'x') + ")\n";
   const auto row = GENERATE_REF(Habitual{"N1234567 G0 X1", "manual_is_stricter@1"},
                                 Habitual{long_line.c_str(), "manual_is_stricter@0"},
                                 Habitual{"O1234 (PART)", "manual_is_stricter@1"},

@@ -40,13 +40,15 @@ TEST_CASE("Random bytes are refused or executed, never worse", "[LNG-10]") {
 
 TEST_CASE("Random pieces of the language are refused or executed, never worse", "[LNG-10]") {
   const std::vector<std::string> pieces{
-      "G0",   "G1",   "G2",    "G53",   "G92",      "G38.2", "G76",    "G84",     "G87", "G96 S1",
-      "M3",   "K1",   "J1",    "Q1",    "G10",      "X",     "Y1",     "Z-2",     "I3",  "R4",
-      "F60",  "L2",   "L20",   "P1",    "#1",       "#",     "=",      "[",       "]",   "sin",
-      "atan", "/",    "**",    "mod",   "<",        "==",    "1",      "2.5",     ".",   "-",
-      "if",   "else", "endif", "while", "endwhile", "sub a", "endsub", "gosub a", "msg", "\"text\"",
-      "(",    ")",    ";",     "(MSG,", "N10",      "O1",    "%",      "M30",     "M6",  "T1",
-      "\n",   "\n",   "\n",    " ",     "\t",       "\r\n"};
+      "G0",     "G1",     "G2",      "G53",  "G92",      "G38.2", "G76",   "G84",    "G87",
+      "G96 S1", "M3",     "K1",      "J1",   "Q1",       "G10",   "X",     "Y1",     "Z-2",
+      "I3",     "R4",     "F60",     "L2",   "L20",      "P1",    "#1",    "#",      "=",
+      "[",      "]",      "sin",     "atan", "/",        "**",    "mod",   "<",      "==",
+      "1",      "2.5",    ".",       "-",    "if",       "else",  "endif", "while",  "endwhile",
+      "sub a",  "endsub", "gosub a", "msg",  "\"text\"", "(",     ")",     ";",      "(MSG,",
+      "N10",    "O1",     "%",       "M30",  "M6",       "T1",    "M26",   "M54",    "M56",
+      "M95",    "M90",    "M104",    "M190", "E1",       "S5",    "A1",    "#5401=", "#5220=",
+      "#5390",  "\n",     "\n",      "\n",   " ",        "\t",    "\r\n"};
   std::mt19937 random(7);
   for (int round = 0; round < 5000; ++round) {
     std::string text;
