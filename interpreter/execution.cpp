@@ -120,9 +120,13 @@ Accepted Execution::check_settings() const {
   const bool offsets_are_fixed = state_.modal.compensation != CompensationSide::off;
   for (const ParameterSetting& setting : block_->settings()) {
     if (Accepted allowed = access.check(setting); !allowed) return allowed;
-    if (!offsets_are_fixed || !ParameterAccess::affects_offsets(setting.number)) continue;
+    if (!offsets_are_fixed || (!ParameterAccess::affects_offsets(setting.number) &&
+                               !ParameterAccess::affects_tools(setting.number))) {
+      continue;
+    }
     return refuse(ErrorCode::compensation_offset_change, setting.span,
-                  "Offsets cannot change while cutter compensation is on.", "G40 before it.");
+                  "Offsets and tools cannot change while cutter compensation is on.",
+                  "G40 before it.");
   }
   return {};
 }

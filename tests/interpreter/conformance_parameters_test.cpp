@@ -292,6 +292,14 @@ TEST_CASE("A written length counts at once when it is the one in force",
   CHECK(end_of("M6 T2\nG43.1 K5\n#5402=10\nG0 Z0\n")[Axis::Z] == 5.0);
 }
 
+TEST_CASE("Tool data stay as they are while cutter compensation is on", "[conformance][LNG-1]") {
+  Bench bench;
+  REQUIRE(bench.tools.set(1, {.diameter = 2}));
+  CHECK(bench.run("G41 D1\n#5501=4\n").diagnostic.code == ErrorCode::compensation_offset_change);
+  CHECK(bench.tools.tool(1).diameter == 2.0);
+  CHECK_FALSE(bench.run("G41 D1\nG40\n#5501=4\n").failed);
+}
+
 TEST_CASE("What the manual calls persistent is in the saved file", "[conformance][LNG-1]") {
   // 3.1.1: 4000-4999; and the offsets, which the store keeps with them.
   CHECK(config::ParameterStore::is_persistent(4000));
