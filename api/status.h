@@ -4,8 +4,10 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <string_view>
+#include <vector>
 
 #include "api/axis.h"
 
@@ -28,8 +30,9 @@ enum class MachineState : std::uint8_t {
   stopping,      ///< slowing down, the job ends then
   estop,
   error,
+  question,  ///< a program asks for values (dlgmsg): Client::answer()
 };
-inline constexpr std::size_t kMachineStateCount = 16;
+inline constexpr std::size_t kMachineStateCount = 17;
 
 enum class Command : std::uint8_t {
   reset,
@@ -44,8 +47,9 @@ enum class Command : std::uint8_t {
   rewind,
   override_rates,
   set_work_zero,
+  answer,
 };
-inline constexpr std::size_t kCommandCount = 12;
+inline constexpr std::size_t kCommandCount = 13;
 
 /// The names of the enumerators: "needs_reset", "set_work_zero". Stable; JSON uses them.
 [[nodiscard]] std::string_view name_of(MachineState state);
@@ -81,6 +85,22 @@ struct JobStatus {
   friend bool operator==(const JobStatus&, const JobStatus&) = default;
 };
 
+/// What a program asks the operator.
+struct Question {
+  struct Field {
+    std::string label;
+    int parameter = 0;   ///< that the value goes to
+    double value = 0.0;  ///< proposed
+
+    friend bool operator==(const Field&, const Field&) = default;
+  };
+  std::uint64_t number = 0;   ///< for Client::answer()
+  std::string title;          ///< may also name a picture
+  std::vector<Field> fields;  ///< none: only OK or Cancel
+
+  friend bool operator==(const Question&, const Question&) = default;
+};
+
 struct MachineStatus {
   std::uint64_t sequence = 0;  ///< ascending; a gap means missed states
   double time = 0.0;           ///< server's monotonic clock, s
@@ -110,6 +130,8 @@ struct MachineStatus {
   AxisFlags home_switches;           ///< active now
   double fifo_time = 0.0;            ///< s of motion in the controller board
   std::uint64_t newest_message = 0;  ///< sequence number, see Client::messages
+  std::optional<Question> question;  ///< set in MachineState::question
+  bool probe_input = false;          ///< the probe touches
 
   [[nodiscard]] const CommandAvailability& availability(Command command) const {
     return commands[static_cast<std::size_t>(command)];

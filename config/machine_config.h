@@ -61,15 +61,37 @@ struct SafetyConfig {
   friend bool operator==(const SafetyConfig&, const SafetyConfig&) = default;
 };
 
+enum class ProgramDialect : std::uint8_t { eding, pscnc };
+
 struct InterpreterConfig {
   bool absolute_arc_centres = false;
   bool block_delete = false;
+  ProgramDialect dialect = ProgramDialect::eding;
+  bool strict = false;                ///< what the manual does not allow is an error
+  bool diameter_programming = false;  ///< X of a lathe
+  bool front_tool_post = false;       ///< a lathe with X towards the operator
+  bool is_3d_printer = false;
 
   friend bool operator==(const InterpreterConfig&, const InterpreterConfig&) = default;
 };
 
+/// STA-7: X Y Z where only a tool change may go, machine coordinates; none where low is not below
+/// high.
+struct ToolChangeArea {
+  double x_low = 0.0;
+  double x_high = 0.0;
+  double y_low = 0.0;
+  double y_high = 0.0;
+  double z_low = 0.0;
+  double z_high = 0.0;
+
+  [[nodiscard]] bool exists() const { return x_low < x_high && y_low < y_high && z_low < z_high; }
+
+  friend bool operator==(const ToolChangeArea&, const ToolChangeArea&) = default;
+};
+
 struct JobConfig {
-  bool auto_tool_change = false;  ///< M6 does not stop for the operator
+  bool auto_tool_change = false;  ///< M6 calls change_tool and does not stop for the operator
 
   friend bool operator==(const JobConfig&, const JobConfig&) = default;
 };
@@ -83,6 +105,7 @@ struct MachineConfig {
   SafetyConfig safety;
   InterpreterConfig interpreter;
   JobConfig job;
+  ToolChangeArea tool_change_area;
 
   friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
 };

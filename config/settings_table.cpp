@@ -44,6 +44,11 @@ constexpr std::array kUnitChoices{
     Choice{"inch", static_cast<double>(MachineUnit::inch)},
 };
 
+constexpr std::array kDialectChoices{
+    Choice{"eding", static_cast<double>(ProgramDialect::eding)},
+    Choice{"pscnc", static_cast<double>(ProgramDialect::pscnc)},
+};
+
 constexpr std::array kStepFrequencyChoices{
     Choice{"25000", 25'000},   Choice{"50000", 50'000},   Choice{"100000", 100'000},
     Choice{"125000", 125'000}, Choice{"200000", 200'000}, Choice{"400000", 400'000},
@@ -127,9 +132,42 @@ constexpr std::array kMotionRows{
     Setting{.section = "INTERPRETER", .key = "blockDelete", .type = toggle,
             .help = "Skip the lines of a program that begin with a slash.",
             .access = kOf<&MachineConfig::interpreter, &InterpreterConfig::block_delete>},
+    Setting{.section = "INTERPRETER", .key = "dialect", .type = choice, .choices = kDialectChoices,
+            .help = "Which G-code programs are written in: eding (RS274/NGC with the extensions of Eding CNC) or pscnc.",
+            .access = kOf<&MachineConfig::interpreter, &InterpreterConfig::dialect>},
+    Setting{.section = "INTERPRETER", .key = "strict", .type = toggle,
+            .help = "What the language does not allow is an error; off: what CAM systems often write is accepted with a warning.",
+            .access = kOf<&MachineConfig::interpreter, &InterpreterConfig::strict>},
+    Setting{.section = "INTERPRETER", .key = "diameterProgramming", .type = toggle,
+            .help = "X words of a turning program are diameters.",
+            .access = kOf<&MachineConfig::interpreter, &InterpreterConfig::diameter_programming>},
+    Setting{.section = "INTERPRETER", .key = "frontToolPost", .type = toggle,
+            .help = "A lathe whose X points towards the operator: left and right of cutter compensation and the sides of arcs in G18 are seen from there.",
+            .access = kOf<&MachineConfig::interpreter, &InterpreterConfig::front_tool_post>},
+    Setting{.section = "INTERPRETER", .key = "is3DPrinter", .type = toggle,
+            .help = "M1 switches the heaters off, and M codes that mean nothing to this machine are ignored.",
+            .access = kOf<&MachineConfig::interpreter, &InterpreterConfig::is_3d_printer>},
     Setting{.section = "JOB", .key = "autoToolChange", .type = toggle,
-            .help = "M6 does not stop for the operator, because a changer brings the tool or it is in already.",
+            .help = "M6 calls the sub change_tool of the macro files and does not stop for the operator by itself.",
             .access = kOf<&MachineConfig::job, &JobConfig::auto_tool_change>},
+    Setting{.section = "TOOLCHANGEAREA", .key = "xLow", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Lower end along X of the area that only a tool change may enter, machine coordinates; all ends 0: there is none.",
+            .access = kOf<&MachineConfig::tool_change_area, &ToolChangeArea::x_low>},
+    Setting{.section = "TOOLCHANGEAREA", .key = "xHigh", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Upper end along X of the area that only a tool change may enter, machine coordinates; all ends 0: there is none.",
+            .access = kOf<&MachineConfig::tool_change_area, &ToolChangeArea::x_high>},
+    Setting{.section = "TOOLCHANGEAREA", .key = "yLow", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Lower end along Y of the area that only a tool change may enter, machine coordinates; all ends 0: there is none.",
+            .access = kOf<&MachineConfig::tool_change_area, &ToolChangeArea::y_low>},
+    Setting{.section = "TOOLCHANGEAREA", .key = "yHigh", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Upper end along Y of the area that only a tool change may enter, machine coordinates; all ends 0: there is none.",
+            .access = kOf<&MachineConfig::tool_change_area, &ToolChangeArea::y_high>},
+    Setting{.section = "TOOLCHANGEAREA", .key = "zLow", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Lower end along Z of the area that only a tool change may enter, machine coordinates; all ends 0: there is none.",
+            .access = kOf<&MachineConfig::tool_change_area, &ToolChangeArea::z_low>},
+    Setting{.section = "TOOLCHANGEAREA", .key = "zHigh", .unit = length, .min = -kFarthest, .max = kFarthest,
+            .help = "Upper end along Z of the area that only a tool change may enter, machine coordinates; all ends 0: there is none.",
+            .access = kOf<&MachineConfig::tool_change_area, &ToolChangeArea::z_high>},
 };
 // clang-format on
 

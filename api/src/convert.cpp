@@ -14,8 +14,8 @@ constexpr Enum shifted(WireEnum wire) {
 static_assert(shifted<Axis>(v1::AXIS_X) == Axis::X && shifted<Axis>(v1::AXIS_C) == Axis::C);
 static_assert(shifted<Command>(v1::COMMAND_RESET) == Command::reset &&
               shifted<Command>(v1::COMMAND_STOP) == Command::stop &&
-              shifted<Command>(v1::COMMAND_SET_WORK_ZERO) == Command::set_work_zero &&
-              v1::Command_MAX == v1::COMMAND_SET_WORK_ZERO);
+              shifted<Command>(v1::COMMAND_ANSWER) == Command::answer &&
+              v1::Command_MAX == v1::COMMAND_ANSWER);
 static_assert(shifted<Severity>(v1::SEVERITY_INFO) == Severity::info &&
               shifted<Severity>(v1::SEVERITY_ERROR) == Severity::error);
 static_assert(shifted<SpindleDirection>(v1::SPINDLE_DIRECTION_OFF) == SpindleDirection::off &&
@@ -26,8 +26,8 @@ static_assert(shifted<SpindleDirection>(v1::SPINDLE_DIRECTION_OFF) == SpindleDir
 static_assert(static_cast<int>(MachineState::unknown) == v1::MACHINE_STATE_UNSPECIFIED &&
               static_cast<int>(MachineState::ready) == v1::MACHINE_STATE_READY &&
               static_cast<int>(MachineState::paused) == v1::MACHINE_STATE_PAUSED &&
-              static_cast<int>(MachineState::error) == v1::MACHINE_STATE_ERROR &&
-              v1::MachineState_MAX == v1::MACHINE_STATE_ERROR);
+              static_cast<int>(MachineState::question) == v1::MACHINE_STATE_QUESTION &&
+              v1::MachineState_MAX == v1::MACHINE_STATE_QUESTION);
 
 /// The enumerator, or `otherwise` for "unspecified" and for values of a newer API.
 template <typename Enum, typename WireEnum>
@@ -46,6 +46,13 @@ AxisFlags axis_flags(const WireAxes& wire) {
     if (const auto axis = from_wire(static_cast<v1::Axis>(value))) flags[*axis] = true;
   }
   return flags;
+}
+
+Question question(const v1::Question& wire) {
+  Question asked{.number = wire.number(), .title = wire.title(), .fields = {}};
+  for (const v1::QuestionField& field : wire.fields())
+    asked.fields.push_back({field.label(), field.parameter(), field.value()});
+  return asked;
 }
 
 JobStatus job_status(const v1::JobStatus& wire) {
@@ -146,6 +153,8 @@ MachineStatus from_wire(const v1::MachineStatus& wire) {
   status.home_switches = axis_flags(wire.home_switches());
   status.fifo_time = wire.fifo_time();
   status.newest_message = wire.newest_message();
+  if (wire.has_question()) status.question = question(wire.question());
+  status.probe_input = wire.probe_input();
   return status;
 }
 

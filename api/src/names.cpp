@@ -15,21 +15,22 @@ using namespace std::string_view_literals;
 constexpr std::array kErrorKinds{"refused"sv,      "invalid"sv,     "failed"sv,
                                  "unavailable"sv,  "timed_out"sv,   "cancelled"sv,
                                  "incompatible"sv, "unsupported"sv, "denied"sv};
-constexpr std::array kStates{"unknown"sv,     "off"sv,      "needs_reset"sv, "needs_homing"sv,
-                             "ready"sv,       "jogging"sv,  "homing"sv,      "mdi"sv,
-                             "running"sv,     "pausing"sv,  "paused"sv,      "program_stop"sv,
-                             "tool_change"sv, "stopping"sv, "estop"sv,       "error"sv};
+constexpr std::array kStates{
+    "unknown"sv,     "off"sv,      "needs_reset"sv, "needs_homing"sv, "ready"sv,   "jogging"sv,
+    "homing"sv,      "mdi"sv,      "running"sv,     "pausing"sv,      "paused"sv,  "program_stop"sv,
+    "tool_change"sv, "stopping"sv, "estop"sv,       "error"sv,        "question"sv};
 constexpr std::array kCommands{
     "reset"sv, "home"sv,   "jog"sv,  "mdi"sv,    "load"sv,           "run"sv,
-    "pause"sv, "resume"sv, "stop"sv, "rewind"sv, "override_rates"sv, "set_work_zero"sv};
+    "pause"sv, "resume"sv, "stop"sv, "rewind"sv, "override_rates"sv, "set_work_zero"sv,
+    "answer"sv};
 constexpr std::array kSpindleDirections{"off"sv, "clockwise"sv, "counterclockwise"sv};
 constexpr std::array kSeverities{"info"sv, "warning"sv, "error"sv};
 
 static_assert(kErrorKinds.size() == static_cast<std::size_t>(ErrorKind::denied) + 1);
 static_assert(kStates.size() == kMachineStateCount &&
-              kMachineStateCount == static_cast<std::size_t>(MachineState::error) + 1);
+              kMachineStateCount == static_cast<std::size_t>(MachineState::question) + 1);
 static_assert(kCommands.size() == kCommandCount &&
-              kCommandCount == static_cast<std::size_t>(Command::set_work_zero) + 1);
+              kCommandCount == static_cast<std::size_t>(Command::answer) + 1);
 static_assert(kSpindleDirections.size() ==
               static_cast<std::size_t>(SpindleDirection::counterclockwise) + 1);
 static_assert(kSeverities.size() == static_cast<std::size_t>(Severity::error) + 1);

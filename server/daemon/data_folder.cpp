@@ -18,6 +18,9 @@ namespace {
 constexpr const char* kConfigFile = "cnc.ini";
 constexpr const char* kParameterFile = "parameters.txt";
 constexpr const char* kToolFile = "tools.txt";
+constexpr const char* kMacroFile = "macro.cnc";
+constexpr const char* kUserMacroFile = "user_macro.cnc";
+constexpr const char* kProgramFolder = "files";
 
 Result<void> write_if_missing(const std::filesystem::path& path, std::string_view text) {
   std::error_code ignored;
@@ -51,7 +54,8 @@ Result<DataFolder> DataFolder::open(const std::filesystem::path& folder) {
                 fmt::format("Another server uses {}.", folder.string()));
   for (const auto& [name, text] : {std::pair{kConfigFile, shipped_cnc_ini()},
                                    {kParameterFile, shipped_parameters()},
-                                   {kToolFile, shipped_tools()}})
+                                   {kToolFile, shipped_tools()},
+                                   {kMacroFile, shipped_macros()}})
     if (auto written = write_if_missing(folder / name, text); !written)
       return std::unexpected(written.error());
   return data;
@@ -75,6 +79,9 @@ std::expected<MachineData, config::Errors> DataFolder::load(
   config::Errors errors;
   MachineData data;
   data.parameter_file = folder_ / kParameterFile;
+  data.tool_file = folder_ / kToolFile;
+  data.program_folder = folder_ / kProgramFolder;
+  data.macro_files = {folder_ / kMacroFile, folder_ / kUserMacroFile};
   const auto take = [&](auto loaded, auto& into) {
     if (loaded)
       into = std::move(*loaded);

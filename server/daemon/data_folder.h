@@ -1,4 +1,5 @@
-// The folder that holds a machine's configuration and state: cnc.ini, parameters.txt, tools.txt.
+// The folder that holds a machine's configuration and state: cnc.ini, parameters.txt, tools.txt,
+// macro.cnc, the operator's own user_macro.cnc, and files/ for what programs write.
 //
 // A new folder is filled with the shipped files. One server at a time uses a folder: it holds a
 // lock that the system releases when the process ends, however it ends.

@@ -8,5 +8,6 @@ namespace cnc::server {
 [[nodiscard]] std::string_view shipped_cnc_ini();
 [[nodiscard]] std::string_view shipped_parameters();
 [[nodiscard]] std::string_view shipped_tools();
+[[nodiscard]] std::string_view shipped_macros();
 
 }  // namespace cnc::server

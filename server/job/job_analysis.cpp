@@ -22,7 +22,7 @@ void JobAnalysis::work(std::stop_token stop) {
   interp::CheckOptions options;
   options.cancel = &cancel;
   JobFindings found;
-  found.report = interp::check(input_.program, interpreter_settings(input_.config),
+  found.report = interp::check(input_.program, interpreter_settings(input_.config, input_.macros),
                                input_.parameters, input_.tools, input_.start, options);
   auto prediction = predict(input_, stop);
   if (!prediction) return;

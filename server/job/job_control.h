@@ -6,19 +6,26 @@
 #include <deque>
 #include <memory>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "server/job/job_runner.h"
+#include "server/machine/height_map.h"
 #include "server/machine/machine_io.h"
 #include "server/machine/message_log.h"
 #include "server/machine/motion_feed.h"
+#include "server/machine/probe_motion.h"
+#include "server/machine/program_files.h"
 
 namespace cnc::server {
 
 enum class JobSignal : std::uint8_t {
   none,
   standing,      ///< hold() has brought the machine to rest
-  program_stop,  ///< M0 M1: resume() goes on
+  program_stop,  ///< M0 M1 M60: resume() goes on
   tool_change,   ///< M6: resume() goes on
+  question,      ///< dlgmsg: answer_question() goes on
+  home,          ///< home x: home_request(); home_done() goes on
   ended,
   failed,  ///< error()
 };
@@ -43,17 +50,34 @@ class JobControl {
  public:
   JobControl(const config::MachineConfig& config, interp::Interpreter& interpreter,
              const config::ParameterStore& parameters, MotionFeed& feed, MachineIo& io,
-             MessageLog& log);
+             ProgramFiles& files, MessageLog& log);
 
   /// A job ends with spindle and coolant off; a single line leaves them as they are.
   enum class Kind : std::uint8_t { job, single_line };
   void start(std::shared_ptr<const interp::Program> program, Kind kind);
-  void hold() { runner_.hold(); }
+  void hold() {
+    runner_.hold();
+    probe_.hold();
+  }
   void resume();
+  /// What the program asks; nullptr when it asks nothing. Valid until it is answered.
+  [[nodiscard]] const interp::Dialog* question() const;
+  /// Cancelled, or confirmed with a value for each field (none: they stay).
+  void answer_question(bool confirmed, std::vector<double> values);
+  [[nodiscard]] interp::HomeAxis home_request() const;
+  void home_done();
+  /// Whether home switches act as estop (HomeIsEstop), and which axes are clamped (M26).
+  [[nodiscard]] bool home_is_estop() const { return home_is_estop_; }
+  [[nodiscard]] const AxisArray<bool>& clamped() const { return clamped_; }
+  [[nodiscard]] bool waits_for_operator() const {
+    return waits_for_ == WaitsFor::operator_ || waits_for_ == WaitsFor::answer;
+  }
   /// At rest only: drops the rest of the program.
   void abandon();
 
   [[nodiscard]] JobSignal cycle();
+  /// G96: gives the spindle its speed for where the tool is now, job or not.
+  void follow_surface_speed();
   [[nodiscard]] const Error& error() const { return *error_; }
   [[nodiscard]] bool active() const { return active_; }
 
@@ -72,7 +96,18 @@ class JobControl {
     JobEvent event;
   };
 
+  /// What the action in hand waits for.
+  enum class WaitsFor : std::uint8_t { nothing, operator_, answer, homing, probe, input };
+
   [[nodiscard]] JobSignal perform(const JobEvent& event);
+  [[nodiscard]] JobSignal wait_for(WaitsFor what, JobSignal signal);
+  [[nodiscard]] JobSignal start_probe(const interp::ProbeMove& move);
+  [[nodiscard]] JobSignal cycle_probe();
+  [[nodiscard]] JobSignal cycle_input();
+  [[nodiscard]] JobSignal fail_with(Error error);
+  void go_on(interp::Answer answer);
+  [[nodiscard]] Result<void> change_height_map(const interp::ChangeHeightMap& change,
+                                               const std::string& name);
   [[nodiscard]] JobSignal finish(JobSignal how);
   void show_due_notes();
   void show(const JobEvent& event);
@@ -83,13 +118,21 @@ class JobControl {
   const config::ParameterStore& parameters_;
   MotionFeed& feed_;
   MachineIo& io_;
+  ProgramFiles& files_;
   MessageLog& log_;
   motion::Planner planner_;
   JobRunner runner_;
 
   Kind kind_ = Kind::job;
   bool active_ = false;
-  bool waits_for_resume_ = false;  // an action has signalled and waits
+  WaitsFor waits_for_ = WaitsFor::nothing;
+  bool home_is_estop_;
+  AxisArray<bool> clamped_{};
+  ProbeMotion probe_;
+  Position probe_position_;  // of the last probe move that tripped
+  HeightMap height_map_;
+  std::optional<interp::UseSurfaceSpeed> surface_speed_;
+  double wait_began_ = 0.0;  // board time at which an input began to be waited for
   Overrides overrides_;
   bool feed_override_enabled_ = true;
   bool speed_override_enabled_ = true;

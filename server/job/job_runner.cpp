@@ -1,10 +1,12 @@
 #include "server/job/job_runner.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 #include <variant>
 
+#include "server/job/surface_speed.h"
 #include "server/job/travel_limits.h"
 
 namespace cnc::server {
@@ -19,7 +21,7 @@ struct Overloaded : Visitors... {
 };
 
 /// What a command asks of the runner.
-enum class Role { motion, dwell, feed, path_mode, note, action, unsupported };
+enum class Role { motion, dwell, feed, path_mode, guard, note, action, unsupported };
 
 Role role_of(const interp::CommandBody& body) {
   return std::visit(Overloaded{
@@ -38,6 +40,24 @@ Role role_of(const interp::CommandBody& body) {
                         [](const interp::EnableOverrides&) { return Role::note; },
                         [](const interp::Message&) { return Role::note; },
                         [](const interp::SetSpindleSpeed&) { return Role::note; },
+                        [](const interp::UseSurfaceSpeed&) { return Role::note; },
+                        [](const interp::OpenLogFile&) { return Role::note; },
+                        [](const interp::StorePosition&) { return Role::note; },
+                        [](const interp::SetOverride&) { return Role::note; },
+                        [](const interp::SelectHead&) { return Role::note; },
+                        [](const interp::UseHomeSensorsAsEstop&) { return Role::note; },
+                        [](const interp::SetGuard&) { return Role::guard; },
+                        [](const interp::ClampAxis&) { return Role::action; },
+                        [](const interp::ProbeMove&) { return Role::action; },
+                        [](const interp::AskOperator&) { return Role::action; },
+                        [](const interp::HomeAxis&) { return Role::action; },
+                        [](const interp::ChangeHeightMap&) { return Role::action; },
+                        [](const interp::Synchronise&) { return Role::action; },
+                        [](const interp::EnableDrives&) { return Role::action; },
+                        [](const interp::SetOutput&) { return Role::action; },
+                        [](const interp::SetAnalogOutput&) { return Role::action; },
+                        [](const interp::SetSpindleOutput&) { return Role::action; },
+                        [](const interp::ReadInput&) { return Role::action; },
                         [](const interp::SetCoolant&) { return Role::note; },
                         [](const interp::TurnSpindle&) { return Role::action; },
                         [](const interp::ChangeTool&) { return Role::action; },
@@ -50,7 +70,14 @@ Role role_of(const interp::CommandBody& body) {
 
 JobEvent event_of(const interp::Command& command) {
   JobEvent event{command, {}};
-  if (const auto* message = std::get_if<interp::Message>(&command.body)) event.text = message->text;
+  std::visit(Overloaded{
+                 [&](const interp::Message& message) { event.text = message.text; },
+                 [&](const interp::OpenLogFile& open) { event.text = open.name; },
+                 [&](const interp::StorePosition& store) { event.text = store.name; },
+                 [&](const interp::ChangeHeightMap& change) { event.text = change.name; },
+                 [](const auto&) {},
+             },
+             command.body);
   return event;
 }
 
@@ -70,6 +97,8 @@ void JobRunner::start(std::shared_ptr<const interp::Program> program, const Posi
   program_over_ = false;
   last_move_ = 0;
   spindle_ = spindle;
+  mode_ = mode;
+  guards_machine_ = guards_tool_change_ = true;
 }
 
 void JobRunner::abandon() {
@@ -114,7 +143,7 @@ JobRunner::Next JobRunner::next() {
   return error_ ? Next::failed : Next::ended;
 }
 
-void JobRunner::action_done() {
+void JobRunner::action_done(const std::optional<interp::Answer>& answer) {
   const interp::CommandBody& done = pending_action_->command.body;
   if (const auto* turn = std::get_if<interp::TurnSpindle>(&done)) {
     const bool starts = turn->direction != spindle_ && turn->direction != SpindleDirection::off;
@@ -123,7 +152,9 @@ void JobRunner::action_done() {
   }
   if (std::holds_alternative<interp::ChangeTool>(done)) spindle_ = SpindleDirection::off;
   pending_action_.reset();
-  interpreter_.answer(interpreter_.expected_answer());
+  if (!answer) return;
+  interpreter_.answer(*answer);
+  planner_.set_position(answer->position);
 }
 
 void JobRunner::hold() {
@@ -169,14 +200,27 @@ void JobRunner::fill_planner() {
   }
 }
 
+/// Whoever only renders a program lets a probe move run to its end.
+bool JobRunner::is_motion(const interp::CommandBody& body) const {
+  return mode_ != interp::RunMode::run && std::holds_alternative<interp::ProbeMove>(body);
+}
+
 void JobRunner::take(const interp::Command& command) {
-  switch (role_of(command.body)) {
+  if (const auto* speed = std::get_if<interp::SetSpindleSpeed>(&command.body)) {
+    spindle_speed_ = speed->speed;
+    surface_speed_.reset();
+  }
+  if (const auto* surface = std::get_if<interp::UseSurfaceSpeed>(&command.body))
+    surface_speed_ = *surface;
+  switch (is_motion(command.body) ? Role::motion : role_of(command.body)) {
     case Role::motion:
       if (auto queued = queue_motion(command); !queued)
         fail_with(std::move(queued.error()), command.source);
       break;
     case Role::dwell:
       dwell_left_ = std::get<interp::Dwell>(command.body).duration;
+      // G4 P0 waits until every move before it is done.
+      if (dwell_left_ == 0.0) pending_action_ = event_of(command);
       break;
     case Role::feed:
       feed_ = std::get<interp::SetFeedRate>(command.body);
@@ -184,6 +228,11 @@ void JobRunner::take(const interp::Command& command) {
     case Role::path_mode:
       path_mode_ = std::get<interp::SetPathMode>(command.body);
       break;
+    case Role::guard: {
+      const auto& set = std::get<interp::SetGuard>(command.body);
+      (set.guard == interp::Guard::machine_area ? guards_machine_ : guards_tool_change_) = set.on;
+      break;
+    }
     case Role::note:
       notes_.push_back({last_move_, event_of(command)});
       break;
@@ -208,6 +257,9 @@ Result<void> JobRunner::queue_motion(const interp::Command& command) {
           [&](const interp::FeedMove& move) -> Result<void> {
             return queue_line(move.end, options_for(command, motion::MoveKind::feed, move.end));
           },
+          [&](const interp::ProbeMove& move) -> Result<void> {
+            return queue_line(move.end, options_for(command, motion::MoveKind::feed, move.end));
+          },
           [&](const interp::ArcMove& move) -> Result<void> {
             return queue_arc(
                 {move.end, move.plane, move.first_centre, move.second_centre, move.turns},
@@ -219,8 +271,12 @@ Result<void> JobRunner::queue_motion(const interp::Command& command) {
 }
 
 Result<void> JobRunner::queue_line(const Position& end, const motion::MoveOptions& options) {
-  const auto extents = motion::extents_of_line(planner_.queue_end(), end);
-  if (auto inside = check_travel(config_, extents); !inside) return inside;
+  const Position start = planner_.queue_end();
+  if (auto inside = check_space(motion::extents_of_line(start, end)); !inside) return inside;
+  if (guards_tool_change_) {
+    if (auto clear = check_tool_change_area(config_.tool_change_area, start, end); !clear)
+      return clear;
+  }
   return planner_.add_line(end, options);
 }
 
@@ -228,8 +284,19 @@ Result<void> JobRunner::queue_arc(const motion::ArcShape& shape,
                                   const motion::MoveOptions& options) {
   const auto arc = motion::make_arc(planner_.queue_end(), shape);
   if (!arc) return std::unexpected(arc.error());
-  if (auto inside = check_travel(config_, motion::extents_of_arc(*arc)); !inside) return inside;
+  const auto extents = motion::extents_of_arc(*arc);
+  if (auto inside = check_space(extents); !inside) return inside;
+  if (guards_tool_change_) {
+    if (auto clear = check_tool_change_area(config_.tool_change_area, extents); !clear)
+      return clear;
+  }
   return planner_.add_arc(shape, options);
+}
+
+/// MCAGuard off concerns rendering only: a run never leaves the travel.
+Result<void> JobRunner::check_space(const motion::Extents& extents) const {
+  if (!guards_machine_ && mode_ != interp::RunMode::run) return {};
+  return check_travel(config_, extents);
 }
 
 motion::MoveOptions JobRunner::options_for(const interp::Command& command, motion::MoveKind kind,
@@ -243,16 +310,30 @@ motion::MoveOptions JobRunner::options_for(const interp::Command& command, motio
   return options;
 }
 
+/// Of the spindle where the tool is. The turning axis is at work X = 0.
+double JobRunner::turns_per_second() const {
+  constexpr double kSecondsPerMinute = 60.0;
+  double rpm = spindle_speed_;
+  if (surface_speed_) {
+    const double radius = std::abs(interpreter_.to_work(planner_.queue_end())[Axis::X]);
+    rpm = surface_rpm(*surface_speed_, radius, config_.spindle.max_speed);
+  }
+  return rpm / kSecondsPerMinute;
+}
+
 /// The feed along the path in mm/s. Inverse time: the whole move takes 1/F.
 double JobRunner::feed_for(const Position& end) const {
-  if (feed_.mode != interp::FeedMode::inverse_time) return feed_.feed;
+  if (feed_.mode == interp::FeedMode::per_revolution) return feed_.feed * turns_per_second();
+  if (feed_.mode == interp::FeedMode::per_minute) return feed_.feed;
   const Position way = end - planner_.queue_end();
   const double length = linear_length(way);
   return feed_.feed * (length > 0.0 ? length : rotary_length(way));
 }
 
 void JobRunner::fail_with(Error error, interp::SourceLine source) {
-  if (!error.place) error.place = TextPlace{program_->name(), source.line, 0};
+  if (!error.place) {
+    error.place = TextPlace{std::string(interpreter_.file_name(source.file)), source.line, 0};
+  }
   error_ = std::move(error);
   program_over_ = true;
 }

@@ -15,6 +15,7 @@
 
 #include "config/machine_config.h"
 #include "interpreter/interpreter.h"
+#include "motion/extents.h"
 #include "motion/planner.h"
 
 namespace cnc::server {
@@ -49,8 +50,12 @@ class JobRunner {
   [[nodiscard]] Next next();
   [[nodiscard]] const motion::Setpoint& setpoint() const { return setpoint_; }
   [[nodiscard]] const JobEvent& event() const { return event_; }
+  /// The feed of a probe move that is in hand, mm/s.
+  [[nodiscard]] double feed_of(const interp::ProbeMove& move) const { return feed_for(move.end); }
   [[nodiscard]] const Error& error() const { return *error_; }
-  void action_done();
+  /// With `answer`: what became of a command that waits for one, and where the machine stands now.
+  /// Without: everything went as programmed.
+  void action_done(const std::optional<interp::Answer>& answer = std::nullopt);
 
   /// Brakes along the path; next() answers `held` once everything until standstill is handed out.
   /// A dwell stands still as it is and goes on where it was interrupted.
@@ -65,13 +70,16 @@ class JobRunner {
   void fill_planner();
   void take(const interp::Command& command);
   void take_dwell(double seconds);
+  [[nodiscard]] bool is_motion(const interp::CommandBody& body) const;
   [[nodiscard]] Result<void> queue_motion(const interp::Command& command);
   [[nodiscard]] Result<void> queue_line(const Position& end, const motion::MoveOptions& options);
   [[nodiscard]] Result<void> queue_arc(const motion::ArcShape& shape,
                                        const motion::MoveOptions& options);
   [[nodiscard]] motion::MoveOptions options_for(const interp::Command& command,
                                                 motion::MoveKind kind, const Position& end);
+  [[nodiscard]] Result<void> check_space(const motion::Extents& extents) const;
   [[nodiscard]] double feed_for(const Position& end) const;
+  [[nodiscard]] double turns_per_second() const;
   void fail_with(Error error, interp::SourceLine source);
   [[nodiscard]] bool note_is_due(bool has_setpoint, std::uint64_t move) const;
 
@@ -84,6 +92,11 @@ class JobRunner {
   std::uint64_t last_move_ = 0;
   interp::SetFeedRate feed_;
   interp::SetPathMode path_mode_;
+  interp::RunMode mode_ = interp::RunMode::run;
+  bool guards_machine_ = true;
+  bool guards_tool_change_ = true;
+  double spindle_speed_ = 0.0;                            // programmed, rpm
+  std::optional<interp::UseSurfaceSpeed> surface_speed_;  // instead of it
 
   struct DueNote {
     std::uint64_t after_move = 0;

@@ -28,7 +28,8 @@ double Prediction::time_at(std::uint64_t move) const {
 std::optional<Prediction> predict(const PredictionInput& input, std::stop_token stop) {
   config::ParameterStore parameters = input.parameters;
   config::ToolTable tools = input.tools;
-  interp::Interpreter interpreter(interpreter_settings(input.config), parameters, tools);
+  interp::Interpreter interpreter(interpreter_settings(input.config, input.macros), parameters,
+                                  tools);
   motion::Planner planner(planner_settings(input.config), input.start);
   JobRunner runner(input.config, interpreter, planner);
   runner.start(input.program, input.start, interp::SpindleDirection::off, interp::RunMode::render);

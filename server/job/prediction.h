@@ -12,7 +12,7 @@
 #include "config/machine_config.h"
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
-#include "interpreter/program.h"
+#include "interpreter/sources.h"
 #include "motion/planner.h"
 
 namespace cnc::server {
@@ -51,6 +51,7 @@ struct PredictionInput {
   config::ParameterStore parameters;
   config::ToolTable tools;
   Position start;
+  interp::Library macros{};
 };
 
 /// Runs the job without a machine. Prompts are answered "go on". Nothing when `stop` is requested.

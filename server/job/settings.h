@@ -7,9 +7,37 @@
 
 namespace cnc::server {
 
+[[nodiscard]] inline interp::MachineFacts machine_facts(const config::MachineConfig& config) {
+  interp::MachineFacts facts;
+  for (const Axis axis : kAllAxes) {
+    facts.negative_limit[axis] = config.axes[axis].negative_limit;
+    facts.positive_limit[axis] = config.axes[axis].positive_limit;
+    facts.home_position[axis] = config.axes[axis].home_position;
+  }
+  const config::ToolChangeArea& area = config.tool_change_area;
+  facts.tool_change_area_low[Axis::X] = area.x_low;
+  facts.tool_change_area_low[Axis::Y] = area.y_low;
+  facts.tool_change_area_low[Axis::Z] = area.z_low;
+  facts.tool_change_area_high[Axis::X] = area.x_high;
+  facts.tool_change_area_high[Axis::Y] = area.y_high;
+  facts.tool_change_area_high[Axis::Z] = area.z_high;
+  facts.max_speed[0] = config.spindle.max_speed;
+  return facts;
+}
+
 [[nodiscard]] inline interp::InterpreterSettings interpreter_settings(
-    const config::MachineConfig& config) {
+    const config::MachineConfig& config, const interp::Library& library = {}) {
   interp::InterpreterSettings settings;
+  settings.library = library;
+  settings.machine = machine_facts(config);
+  settings.automatic_tool_change = config.job.auto_tool_change;
+  settings.dialect = config.interpreter.dialect == config::ProgramDialect::pscnc
+                         ? interp::DialectId::pscnc
+                         : interp::DialectId::eding;
+  settings.strict = config.interpreter.strict;
+  settings.diameter_programming = config.interpreter.diameter_programming;
+  settings.front_tool_post = config.interpreter.front_tool_post;
+  settings.is_3d_printer = config.interpreter.is_3d_printer;
   settings.default_unit = config.unit == config::MachineUnit::inch ? interp::LengthUnit::inch
                                                                    : interp::LengthUnit::millimetre;
   settings.absolute_arc_centres = config.interpreter.absolute_arc_centres;

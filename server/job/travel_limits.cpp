@@ -1,5 +1,7 @@
 #include "server/job/travel_limits.h"
 
+#include <algorithm>
+#include <array>
 #include <fmt/format.h>
 
 namespace cnc::server {
@@ -8,7 +10,52 @@ namespace {
 /// Programs reach a limit exactly by way of sums and offsets; a tenth of a micrometre is rounding.
 constexpr double kTolerance = 1e-4;
 
+struct Side {
+  Axis axis;
+  double low;
+  double high;
+};
+[[nodiscard]] std::array<Side, 3> sides_of(const config::ToolChangeArea& area) {
+  return {{{Axis::X, area.x_low, area.x_high},
+           {Axis::Y, area.y_low, area.y_high},
+           {Axis::Z, area.z_low, area.z_high}}};
+}
+
+std::unexpected<Error> refuse_area() {
+  return fail(ErrorCode::tool_change_area,
+              "The move goes through the tool change area, which only a tool change may enter.");
+}
+
 }  // namespace
+
+// The part of the line, 0 … 1, that is between both ends of a side shrinks with every side.
+Result<void> check_tool_change_area(const config::ToolChangeArea& area, const Position& start,
+                                    const Position& end) {
+  if (!area.exists()) return {};
+  double enters = 0.0;
+  double leaves = 1.0;
+  for (const auto& [axis, low, high] : sides_of(area)) {
+    const double way = end[axis] - start[axis];
+    if (way == 0.0) {
+      if (start[axis] <= low || start[axis] >= high) return {};
+      continue;
+    }
+    const double at_low = (low - start[axis]) / way;
+    const double at_high = (high - start[axis]) / way;
+    enters = std::max(enters, std::min(at_low, at_high));
+    leaves = std::min(leaves, std::max(at_low, at_high));
+  }
+  if (enters < leaves) return refuse_area();
+  return {};
+}
+
+Result<void> check_tool_change_area(const config::ToolChangeArea& area,
+                                    const motion::Extents& extents) {
+  if (!area.exists()) return {};
+  for (const auto& [axis, low, high] : sides_of(area))
+    if (extents.max[axis] <= low || extents.min[axis] >= high) return {};
+  return refuse_area();
+}
 
 Result<void> check_travel(const config::MachineConfig& config, const motion::Extents& extents) {
   for (const Axis axis : kAllAxes) {

@@ -11,4 +11,11 @@ namespace cnc::server {
 [[nodiscard]] Result<void> check_travel(const config::MachineConfig& config,
                                         const motion::Extents& extents);
 
+/// Refuses a straight move that touches the tool change area (STA-7).
+[[nodiscard]] Result<void> check_tool_change_area(const config::ToolChangeArea& area,
+                                                  const Position& start, const Position& end);
+/// The same for a curve within `extents`: the space around it counts.
+[[nodiscard]] Result<void> check_tool_change_area(const config::ToolChangeArea& area,
+                                                  const motion::Extents& extents);
+
 }  // namespace cnc::server

@@ -24,6 +24,7 @@ void Link::cycle(double now) {
   // A board in fault takes nothing; what was meant for it would be wrong after the fault is
   // cleared.
   if (status.board.faults != 0) drop_queue();
+  path_is_void_ = status.board.path_stop == hal::PathStop::stopped;
   status.items_done = items_done_;
   if (status.board.moving && status.board.fifo_count > 0) {
     auto& lowest = statistics_.lowest_fifo_time;
@@ -43,7 +44,23 @@ void Link::deliver() {
 bool Link::deliver(const LinkItem& item) {
   struct Visitor {
     hal::Controller& board;
-    bool operator()(const hal::Segment& segment) const { return board.push({&segment, 1}) == 1; }
+    bool& path_is_void;
+    bool operator()(const hal::Segment& segment) const {
+      return path_is_void || board.push({&segment, 1}) == 1;
+    }
+    bool operator()(const ArmProbe&) const {
+      board.arm_probe_latch();
+      return true;
+    }
+    bool operator()(const DisarmProbe&) const {
+      board.disarm_probe_latch();
+      return true;
+    }
+    bool operator()(const ReleaseStop&) const {
+      board.release_stop();
+      path_is_void = false;
+      return true;
+    }
     bool operator()(const SetOutputs& set) const {
       board.set_outputs(set.outputs);
       return true;
@@ -66,7 +83,7 @@ bool Link::deliver(const LinkItem& item) {
       return true;
     }
   };
-  return std::visit(Visitor{*controller_}, item);
+  return std::visit(Visitor{*controller_, path_is_void_}, item);
 }
 
 void Link::drop_queue() {

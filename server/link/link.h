@@ -33,9 +33,13 @@ struct ArmLatch {
 struct DisarmLatch {
   Axis axis = Axis::X;
 };
+struct ArmProbe {};
+struct DisarmProbe {};
+/// Ends a stop along the path: segments pushed before it are void, those behind it are taken.
+struct ReleaseStop {};
 
-using LinkItem =
-    std::variant<hal::Segment, SetOutputs, ClearFaults, SetPosition, ArmLatch, DisarmLatch>;
+using LinkItem = std::variant<hal::Segment, SetOutputs, ClearFaults, SetPosition, ArmLatch,
+                              DisarmLatch, ArmProbe, DisarmProbe, ReleaseStop>;
 
 struct LinkStatus {
   hal::ControllerStatus board;
@@ -95,6 +99,7 @@ class Link {
   std::atomic<bool> quick_stop_{false};
   std::uint64_t pushed_ = 0;      // executor's
   std::uint64_t items_done_ = 0;  // link thread's
+  bool path_is_void_ = false;     // the board has stopped along the path: no segment reaches it
   LinkStatistics statistics_;
 };
 

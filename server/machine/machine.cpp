@@ -25,11 +25,14 @@ Machine::Machine(MachineData data, Link& link, MessageLog& log)
       log_(log),
       feed_(link, data_.config),
       io_(data_.config, feed_),
+      files_(data_.program_folder, log),
       interpreter_(interpreter_settings(data_.config), data_.parameters, data_.tools),
-      job_(data_.config, interpreter_, data_.parameters, feed_, io_, log_),
+      job_(data_.config, interpreter_, data_.parameters, feed_, io_, files_, log_),
       homing_(data_.config, feed_),
       jog_(data_.config, feed_),
-      saver_(data_.parameter_file, log_) {}
+      saver_({data_.parameter_file, data_.tool_file}, log_) {
+  load_macros();
+}
 
 Machine::~Machine() {
   const auto stopped = fail(ErrorCode::server_stopping, "The server is shutting down.");
@@ -71,7 +74,7 @@ void Machine::settle_when_saved(WaitFor what, const Result<void>& result) {
 }
 
 void Machine::when_saved(Completion done) {
-  waiting_for_disk_.emplace_back(saver_.save(data_.parameters), std::move(done));
+  waiting_for_disk_.emplace_back(saver_.save(data_.parameters, data_.tools), std::move(done));
 }
 
 void Machine::answer_saved() {
@@ -87,37 +90,123 @@ void Machine::answer_saved() {
 void Machine::reset(Completion done) {
   if (auto allowed = allow(CommandKind::reset); !allowed) return done(allowed);
   wait_for(WaitFor::reset, std::move(done));
-  begin_stop();
   reset_wanted_ = true;
+  begin_stop();
   reset_deadline_ = 0.0;  // counts from when the machine stands
 }
 
 void Machine::home(std::vector<Axis> axes, Completion done) {
   if (auto allowed = allow(CommandKind::home); !allowed) return done(allowed);
-  if (axes.empty()) axes = Homing::default_order(data_.config);
+  const bool all = axes.empty();
+  if (all) axes = Homing::default_order(data_.config);
   for (const Axis axis : axes)
     if (!data_.config.axes[axis].connected())
       return done(
           fail(ErrorCode::axis_not_connected,
                fmt::format("Axis {} is not connected; it cannot be homed.", axis_name(axis))));
-  for (const Axis axis : axes) homed_[axis] = false;
   wait_for(WaitFor::home, std::move(done));
+  load_macros();
+  if (auto text = homing_subs(axes, all)) return run_text(std::move(*text), "homing");
+  for (const Axis axis : axes) homed_[axis] = false;
   homing_.start(std::move(axes));
   enter(State::homing);
 }
 
+/// Homing as the macro files have it (HOM-3); nothing when they lack a sub for one of the axes.
+std::optional<std::string> Machine::homing_subs(const std::vector<Axis>& axes, bool all) const {
+  if (all && has_sub("home_all")) return "gosub home_all";
+  std::string text;
+  for (const Axis axis : axes) {
+    const std::string sub = fmt::format("home_{}", axis_name(axis));
+    if (!has_sub(sub)) return std::nullopt;
+    text += fmt::format("gosub {}\n", sub);
+  }
+  return text;
+}
+
 void Machine::mdi(const std::string& line, Completion done) {
   if (auto allowed = allow(CommandKind::mdi); !allowed) return done(allowed);
-  auto program = interp::Program::from_text(line, "single line");
-  if (!program) return done(std::unexpected(program.error()));
+  if (line.empty()) return done(fail(ErrorCode::program_empty, "The line is empty."));
   wait_for(WaitFor::mdi, std::move(done));
+  load_macros();
+  run_text(line, "single line");
+}
+
+void Machine::run_sub(std::string_view name, Completion done) {
+  const CommandKind kind = name.starts_with("home_") ? CommandKind::home : CommandKind::mdi;
+  if (auto allowed = allow(kind); !allowed) return done(allowed);
+  load_macros();
+  if (!has_sub(name)) {
+    return done(
+        fail(ErrorCode::sub_unknown, fmt::format("There is no sub {} in the macro files.", name)));
+  }
+  wait_for(WaitFor::mdi, std::move(done));
+  run_text(fmt::format("gosub {}", name), std::string(name));
+}
+
+/// `text` is not empty.
+void Machine::run_text(std::string text, std::string name) {
   single_line_ = true;
-  job_.start(std::move(*program), JobControl::Kind::single_line);
+  job_.start(interp::Program::from_text(std::move(text), std::move(name)).value(),
+             JobControl::Kind::single_line);
   enter(State::mdi);
+}
+
+Result<void> Machine::answer(std::uint64_t question, bool confirmed, std::vector<double> values) {
+  if (auto allowed = allow(CommandKind::answer); !allowed) return allowed;
+  const interp::Dialog* dialog = job_.question();
+  if (question != question_ || dialog == nullptr) {
+    return fail(ErrorCode::no_question,
+                "This question is not asked any more: look at the status for the present one.");
+  }
+  if (!values.empty() && values.size() != dialog->fields.size()) {
+    return fail(ErrorCode::value_out_of_range,
+                fmt::format("The question has {} fields; the answer has {} values.",
+                            dialog->fields.size(), values.size()));
+  }
+  for (const double value : values)
+    if (!std::isfinite(value))
+      return fail(ErrorCode::value_out_of_range, "A value of the answer is not a number.");
+  job_.answer_question(confirmed, std::move(values));
+  enter(working_state());
+  return {};
+}
+
+/// Reads the macro files again if one of them has changed. One that cannot be read is told, and
+/// what was loaded before stays.
+void Machine::load_macros() {
+  std::vector<std::filesystem::file_time_type> times;
+  for (const auto& path : data_.macro_files) {
+    std::error_code missing;
+    times.push_back(std::filesystem::last_write_time(path, missing));
+  }
+  if (times == macro_times_) return;
+  macro_times_ = std::move(times);
+  interp::Library macros;
+  for (const auto& path : data_.macro_files) {
+    std::error_code ignored;
+    if (!std::filesystem::exists(path, ignored)) continue;
+    auto program = interp::Program::open(path);
+    if (!program) return log_.add(program.error());
+    macros.push_back(std::move(*program));
+  }
+  macros_ = std::move(macros);
+  interpreter_.set_library(macros_);
+  const auto& warnings = interpreter_.library_warnings();
+  if (warnings.empty()) return;
+  log_.add(Severity::warning, fmt::format("{} remarks on the macro files, first: {}",
+                                          warnings.size(), warnings[0].to_error().to_string()));
+}
+
+bool Machine::has_sub(std::string_view name) const {
+  return std::ranges::any_of(
+      macros_, [&](const auto& macros) { return macros->flow().find_sub(name).mark != nullptr; });
 }
 
 Result<void> Machine::load(std::shared_ptr<const interp::Program> program, std::string path) {
   if (auto allowed = allow(CommandKind::load); !allowed) return allowed;
+  if (job_.active())
+    return fail(ErrorCode::command_not_allowed, "A program waits for the operator: end it first.");
   program_ = std::move(program);
   program_path_ = std::move(path);
   elapsed_ = move_began_ = 0.0;
@@ -135,13 +224,14 @@ void Machine::analyse() {
   findings_.reset();
   analysis_.reset();
   if (program_ && data_.analyse_jobs)
-    analysis_ = std::make_unique<JobAnalysis>(
-        PredictionInput{data_.config, program_, data_.parameters, data_.tools, feed_.commanded()});
+    analysis_ = std::make_unique<JobAnalysis>(PredictionInput{
+        data_.config, program_, data_.parameters, data_.tools, feed_.commanded(), macros_});
 }
 
 Result<void> Machine::run() {
   if (auto allowed = allow(CommandKind::run); !allowed) return allowed;
   if (!program_) return fail(ErrorCode::no_job, "No job is loaded: load a file first.");
+  load_macros();
   elapsed_ = move_began_ = 0.0;
   move_ = line_ = 0;
   single_line_ = false;
@@ -160,7 +250,7 @@ void Machine::pause(Completion done) {
 Result<void> Machine::resume() {
   if (auto allowed = allow(CommandKind::resume); !allowed) return allowed;
   job_.resume();
-  enter(single_line_ ? State::mdi : State::running);
+  enter(working_state());
   return {};
 }
 
@@ -179,6 +269,9 @@ Result<void> Machine::rewind() {
 
 Result<void> Machine::jog(const Position& rates, double lease) {
   if (auto allowed = allow(CommandKind::jog); !allowed) return allowed;
+  for (const Axis axis : kAllAxes)
+    if (rates[axis] != 0.0)
+      if (auto free = check_clamp(axis); !free) return free;
   if (auto set = jog_.set_rates(rates, now_ + lease, homed_); !set) return set;
   if (jog_.active()) enter(State::jogging);
   return {};
@@ -186,9 +279,16 @@ Result<void> Machine::jog(const Position& rates, double lease) {
 
 Result<void> Machine::jog_step(Axis axis, double distance, double rate) {
   if (auto allowed = allow(CommandKind::jog); !allowed) return allowed;
+  if (auto free = check_clamp(axis); !free) return free;
   if (auto stepped = jog_.step(axis, distance, rate, homed_); !stepped) return stepped;
   if (jog_.active()) enter(State::jogging);
   return {};
+}
+
+Result<void> Machine::check_clamp(Axis axis) const {
+  if (!job_.clamped()[axis]) return {};
+  return fail(ErrorCode::axis_clamped,
+              fmt::format("Axis {} is clamped (M26): M27 releases it.", axis_name(axis)));
 }
 
 void Machine::jog_stop() { jog_.stop(); }
@@ -271,7 +371,11 @@ void Machine::begin_stop() {
     case State::paused:
     case State::program_stop:
     case State::tool_change:
+    case State::question:
       end_job(fail(ErrorCode::command_interrupted, "The job was stopped."));
+      break;
+    case State::jogging:
+      if (job_.active()) enter(State::stopping);  // the job ends when the jog has
       break;
     default:
       break;
@@ -284,6 +388,7 @@ bool Machine::all_homed() const {
 }
 
 State Machine::resting_state() const {
+  if (job_.active()) return waiting_state_;  // jogged while the program waits
   if (!feed_.board().connected) return State::off;
   if (!io_.outputs().drives_enabled) return State::needs_reset;
   if (data_.config.safety.homing_mandatory && !all_homed()) return State::needs_homing;

@@ -14,6 +14,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "config/machine_config.h"
@@ -38,7 +39,10 @@ struct MachineData {
   config::ParameterStore parameters;
   config::ToolTable tools;
   std::filesystem::path parameter_file;  ///< empty: nothing is saved
-  bool analyse_jobs = true;              ///< check and predict a loaded job in the background
+  std::filesystem::path tool_file;       ///< empty: tools are not saved
+  std::filesystem::path program_folder;  ///< what programs write goes here; empty: nowhere
+  std::vector<std::filesystem::path> macro_files;  ///< macro.cnc, then user_macro.cnc
+  bool analyse_jobs = true;  ///< check and predict a loaded job in the background
 };
 
 struct WorkCoordinate {
@@ -58,6 +62,10 @@ class Machine {
   /// Homes `axes` one after the other; none given: all connected axes, Z first.
   void home(std::vector<Axis> axes, Completion done);
   void mdi(const std::string& line, Completion done);
+  /// Runs a sub of the macro files, as a button does. Homing subs are allowed before homing.
+  void run_sub(std::string_view name, Completion done);
+  /// Answers the question with this number; `values` for its fields, or none to leave them.
+  Result<void> answer(std::uint64_t question, bool confirmed, std::vector<double> values);
   void pause(Completion done);
   void stop(Completion done);
   Result<void> run();
@@ -73,6 +81,8 @@ class Machine {
   Result<void> set_work_zero(const std::vector<WorkCoordinate>& coordinates);
   /// Answers when parameters and offsets as they are now are on disk.
   void when_saved(Completion done);
+  /// Blocks until what programs have written is on disk.
+  void wait_for_files() { files_.wait(); }
   /// Brings everything to a standstill and saves; for the end of the program.
   void shut_down();
   [[nodiscard]] bool is_shut_down() const;
@@ -100,20 +110,33 @@ class Machine {
   void analyse();
   void take_findings();
   [[nodiscard]] Result<void> interpret_now(std::string line);
+  void run_text(std::string text, std::string name);
+  [[nodiscard]] Result<void> check_clamp(Axis axis) const;
+  void watch_home_switches();
+  void load_macros();
+  [[nodiscard]] std::optional<std::string> homing_subs(const std::vector<Axis>& axes,
+                                                       bool all) const;
+  [[nodiscard]] bool has_sub(std::string_view name) const;
   void wait_for(WaitFor what, Completion done);
   void settle(WaitFor what, const Result<void>& result);
   /// A good result is told when it is on disk: whoever hears of it may rely on it.
   void settle_when_saved(WaitFor what, const Result<void>& result);
   [[nodiscard]] std::vector<Completion> take_waiters(WaitFor what);
   void enter(State state) { state_ = state; }
+  [[nodiscard]] State working_state() const { return single_line_ ? State::mdi : State::running; }
   [[nodiscard]] State resting_state() const;
   [[nodiscard]] bool all_homed() const;
 
   void watch_board();
   void on_fault(hal::Faults faults);
+  void stop_at_once(Error error);
+  void end_everything(Error error);
   void lose_position_of_moving_axes();
   void cycle_job();
   void on_job_signal(JobSignal signal);
+  void wait_for_operator(State state);
+  void home_for_job();
+  void end_homing_for_job();
   void cycle_homing();
   void cycle_jog();
   void cycle_stop();
@@ -122,21 +145,23 @@ class Machine {
   void begin_stop();
   void end_job(const Result<void>& result);
   void come_to_rest();
-  void save_parameters() { saver_.save(data_.parameters); }
+  void save_parameters() { saver_.save(data_.parameters, data_.tools); }
   void answer_saved();
   [[nodiscard]] MachineSnapshot take_snapshot();
   [[nodiscard]] JobSnapshot take_job_snapshot();
+  [[nodiscard]] std::optional<QuestionSnapshot> take_question_snapshot() const;
   [[nodiscard]] double predicted_time_done(double rate) const;
 
   MachineData data_;
   MessageLog& log_;
   MotionFeed feed_;
   MachineIo io_;
+  ProgramFiles files_;
   interp::Interpreter interpreter_;
   JobControl job_;
   Homing homing_;
   JogControl jog_;
-  ParameterSaver saver_;
+  StateSaver saver_;
   SnapshotBoard snapshots_;
 
   State state_ = State::off;
@@ -144,9 +169,14 @@ class Machine {
   double last_cycle_ = 0.0;
   std::uint64_t sequence_ = 0;
   AxisArray<bool> homed_{};
+  AxisArray<bool> home_switches_{};  // as seen in the last cycle
   std::vector<Waiter> waiters_;
-  std::vector<std::pair<ParameterSaver::Ticket, Completion>> waiting_for_disk_;
-  bool single_line_ = false;  // what job_ executes is an MDI line
+  std::vector<std::pair<StateSaver::Ticket, Completion>> waiting_for_disk_;
+  bool single_line_ = false;                   // what job_ executes is an MDI line
+  State waiting_state_ = State::program_stop;  // of the job that waits for the operator
+  std::uint64_t question_ = 0;                 // number of the last question
+  interp::Library macros_;
+  std::vector<std::filesystem::file_time_type> macro_times_;
   bool reset_wanted_ = false;
   double reset_deadline_ = 0.0;
   bool shutting_down_ = false;

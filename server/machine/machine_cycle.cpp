@@ -70,21 +70,51 @@ void Machine::watch_board() {
     interpreter_.set_position(feed_.commanded());
     enter(State::needs_reset);
   }
+  watch_home_switches();
   if (board.faults != 0 && state_ != State::estop && state_ != State::error) on_fault(board.faults);
   // The board may still have been braking its last steps when the fault was seen.
   if ((state_ == State::estop || state_ == State::error) && !board.moving)
     feed_.accept_board_position();
 }
 
+/// STA-4: behind homing, a home switch that becomes active is an emergency stop where that is
+/// wanted. Pulses stop at once; the machine may be jogged off the switch after a reset.
+void Machine::watch_home_switches() {
+  const AxisArray<bool> before = std::exchange(home_switches_, feed_.board().inputs.home);
+  if (!job_.home_is_estop() || homing_.active()) return;
+  for (const Axis axis : kAllAxes) {
+    if (!home_switches_[axis] || before[axis] || !homed_[axis]) continue;
+    stop_at_once({ErrorCode::home_switch_active,
+                  fmt::format("The home switch of {} became active.", axis_name(axis)),
+                  std::nullopt});
+    return;
+  }
+}
+
 void Machine::on_fault(hal::Faults faults) {
   const auto row = std::ranges::find_if(kFaultTexts, [&](const FaultText& text) {
     return (faults & static_cast<hal::Faults>(text.fault)) != 0;
   });
-  const Error error{row->code, std::string(row->text), std::nullopt};
-  log_.add(error);
+  const bool known = row != kFaultTexts.end();
   lose_position_of_moving_axes();
   io_.board_is_off();
   feed_.accept_board_position();
+  end_everything({known ? row->code : ErrorCode::motion_fault,
+                  known ? std::string(row->text)
+                        : fmt::format("The board reports a fault that is not known ({}).", faults),
+                  std::nullopt});
+}
+
+void Machine::stop_at_once(Error error) {
+  lose_position_of_moving_axes();
+  feed_.quick_stop();
+  io_.all_off();
+  end_everything(std::move(error));
+}
+
+/// Whatever was going on is over, without a ramp.
+void Machine::end_everything(Error error) {
+  log_.add(error);
   jog_.drop();
   homing_.drop();
   const bool had_job = job_.active();
@@ -94,6 +124,7 @@ void Machine::on_fault(hal::Faults faults) {
   if (had_job && !single_line_) ended_well_ = false;
   for (const WaitFor what : {WaitFor::home, WaitFor::mdi, WaitFor::pause})
     settle(what, interrupted);
+  if (!reset_wanted_) settle(WaitFor::reset, interrupted);  // user_reset
   settle(WaitFor::rest, {});
 }
 
@@ -109,6 +140,7 @@ void Machine::lose_position_of_moving_axes() {
 }
 
 void Machine::cycle_job() {
+  job_.follow_surface_speed();
   if (!job_.active()) return;
   const bool advances = state_ == State::running || state_ == State::pausing;
   if (advances) elapsed_ += now_ - last_cycle_;
@@ -136,11 +168,17 @@ void Machine::on_job_signal(JobSignal signal) {
       }
       break;
     case JobSignal::program_stop:
+      wait_for_operator(State::program_stop);
+      break;
     case JobSignal::tool_change:
-      if (state_ == State::stopping)
-        return end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
-      enter(signal == JobSignal::tool_change ? State::tool_change : State::program_stop);
-      settle(WaitFor::pause, {});
+      wait_for_operator(State::tool_change);
+      break;
+    case JobSignal::question:
+      ++question_;
+      wait_for_operator(State::question);
+      break;
+    case JobSignal::home:
+      home_for_job();
       break;
     case JobSignal::ended:
       end_job({});
@@ -159,6 +197,37 @@ void Machine::on_job_signal(JobSignal signal) {
   }
 }
 
+void Machine::wait_for_operator(State state) {
+  if (state_ == State::stopping)
+    return end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
+  waiting_state_ = state;
+  enter(state);
+  settle(WaitFor::pause, {});
+}
+
+void Machine::home_for_job() {
+  if (state_ == State::stopping)
+    return end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
+  const auto [step, axis] = job_.home_request();
+  const auto refuse = [&](Error error) {
+    log_.add(error);
+    end_job(std::unexpected(std::move(error)));
+  };
+  if (step != interp::HomeStep::home) {
+    return refuse({ErrorCode::not_on_this_machine,
+                   fmt::format("{} has no slave axis: it is homed with \"home\".", axis_name(axis)),
+                   std::nullopt});
+  }
+  if (!data_.config.axes[axis].connected()) {
+    return refuse({ErrorCode::axis_not_connected,
+                   fmt::format("Axis {} is not connected; it cannot be homed.", axis_name(axis)),
+                   std::nullopt});
+  }
+  homed_[axis] = false;
+  homing_.start({axis});
+  enter(State::homing);
+}
+
 /// The job or single line is over, well or not.
 void Machine::end_job(const Result<void>& result) {
   job_.abandon();
@@ -174,6 +243,8 @@ void Machine::end_job(const Result<void>& result) {
   save_parameters();
   if (!was_job) analyse();
   settle_when_saved(WaitFor::mdi, result);
+  settle(WaitFor::home, result);
+  if (!reset_wanted_) settle(WaitFor::reset, result);  // user_reset
   settle(WaitFor::pause, fail(ErrorCode::command_interrupted, "The job ended before the pause."));
   come_to_rest();
 }
@@ -186,6 +257,8 @@ void Machine::come_to_rest() {
 }
 
 void Machine::cycle_stop() {
+  if (state_ == State::stopping && job_.waits_for_operator() && !jog_.active())
+    end_job(fail(ErrorCode::command_interrupted, "The job was stopped."));
   if (state_ == State::stopping && !job_.active() && !feed_.stopping()) {
     interpreter_.set_position(feed_.commanded());
     come_to_rest();
@@ -200,6 +273,7 @@ void Machine::cycle_homing() {
     log_.add(Severity::info, fmt::format("Axis {} is homed.", axis_name(*axis)));
   }
   if (homing_.active()) return;
+  if (job_.active()) return end_homing_for_job();
   interpreter_.set_position(feed_.commanded());
   analyse();
   come_to_rest();
@@ -211,6 +285,15 @@ void Machine::cycle_homing() {
   }
 }
 
+void Machine::end_homing_for_job() {
+  if (const auto& error = homing_.error()) {
+    log_.add(*error);
+    return end_job(std::unexpected(*error));
+  }
+  job_.home_done();
+  enter(working_state());
+}
+
 void Machine::cycle_jog() {
   if (!jog_.active()) return;
   jog_.cycle(now_);
@@ -219,7 +302,7 @@ void Machine::cycle_jog() {
     lose_position_of_moving_axes();
     feed_.quick_stop();
   }
-  if (jog_.active()) return;
+  if (jog_.active() || state_ == State::stopping) return;
   interpreter_.set_position(feed_.commanded());
   come_to_rest();
 }
@@ -248,6 +331,8 @@ void Machine::cycle_reset() {
     interpreter_.set_position(feed_.commanded());
     interpreter_.reset();
     come_to_rest();
+    load_macros();
+    if (has_sub("user_reset")) return run_text("gosub user_reset", "user_reset");
     settle(WaitFor::reset, {});
     return;
   }

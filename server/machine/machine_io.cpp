@@ -1,6 +1,7 @@
 #include "server/machine/machine_io.h"
 
 #include <algorithm>
+#include <fmt/format.h>
 
 namespace cnc::server {
 
@@ -13,6 +14,8 @@ void MachineIo::enable_drives(bool on) {
 
 void MachineIo::turn_spindle(SpindleDirection direction) {
   direction_ = direction;
+  direction_output_.reset();
+  pwm_output_.reset();
   apply();
 }
 
@@ -32,32 +35,96 @@ void MachineIo::set_coolant(bool mist, bool flood) {
   apply();
 }
 
+void MachineIo::set_spindle_output(interp::SpindleOutput output, bool on) {
+  (output == interp::SpindleOutput::direction ? direction_output_ : pwm_output_) = on;
+  apply();
+}
+
+Result<void> MachineIo::set_output(std::int32_t port, bool on) {
+  const auto bit = hal::port_bit(port);
+  if (!bit)
+    return fail(ErrorCode::not_on_this_machine, fmt::format("The board has no output {}.", port));
+  ports_.set(*bit, on);
+  apply();
+  return {};
+}
+
+Result<void> MachineIo::set_analog_output(std::int32_t port, double value) {
+  if (port < 1 || static_cast<std::size_t>(port) > hal::kPwmCount)
+    return fail(ErrorCode::not_on_this_machine,
+                fmt::format("The board has no PWM output {}.", port));
+  pwm_[static_cast<std::size_t>(port - 1)] = value;
+  apply();
+  return {};
+}
+
+Result<double> MachineIo::read(const interp::ReadInput& input) const {
+  const hal::Inputs& inputs = feed_.board().inputs;
+  const auto no_input = [&](std::string_view kind) {
+    return fail(ErrorCode::not_on_this_machine,
+                fmt::format("The board has no {} input {}.", kind, input.port));
+  };
+  if (input.analog) {
+    if (input.port < 1 || static_cast<std::size_t>(input.port) > hal::kAnalogCount)
+      return no_input("analog");
+    return inputs.analog[static_cast<std::size_t>(input.port - 1)];
+  }
+  constexpr std::int32_t kFirstHome = 51;
+  constexpr std::int32_t kFirstSpecial = 61;
+  const std::array special{inputs.probe,  inputs.sync,   inputs.hand_wheel_a,  inputs.hand_wheel_b,
+                           inputs.estop1, inputs.estop2, inputs.external_error};
+  const auto home = static_cast<std::size_t>(input.port - kFirstHome);
+  const auto other = static_cast<std::size_t>(input.port - kFirstSpecial);
+  if (input.port >= kFirstHome && home < kAxisCount) return inputs.home[kAllAxes[home]] ? 1.0 : 0.0;
+  if (input.port >= kFirstSpecial && other < special.size()) return special[other] ? 1.0 : 0.0;
+  const auto bit = hal::port_bit(input.port);
+  if (!bit) return no_input("digital");
+  return inputs.ports.test(*bit) ? 1.0 : 0.0;
+}
+
 void MachineIo::all_off() {
   direction_ = SpindleDirection::off;
+  direction_output_.reset();
+  pwm_output_.reset();
   mist_ = flood_ = false;
   apply();
 }
 
 void MachineIo::board_is_off() {
   direction_ = SpindleDirection::off;
+  direction_output_.reset();
+  pwm_output_.reset();
   mist_ = flood_ = drives_ = false;
+  ports_.reset();
+  pwm_ = {};
   outputs_ = {};
 }
 
-/// S0 leaves the spindle still even after M3 (manual 3.5.2); any other speed is kept within what
-/// the spindle can do.
+/// What the spindle is told, 0 … 1. S0 leaves it still even after M3 (manual 3.5.2); any other
+/// speed is kept within what it can do.
+double MachineIo::spindle_part() const {
+  const double speed = speed_ * override_;
+  if (speed <= 0.0) return 0.0;
+  return std::clamp(speed, spindle_config_.min_speed, spindle_config_.max_speed) /
+         spindle_config_.max_speed;
+}
+
+void MachineIo::apply_spindle(hal::Outputs& wanted) const {
+  const bool turns = direction_ != SpindleDirection::off && spindle_part() > 0.0;
+  wanted.spindle_on = turns;
+  wanted.tool_direction =
+      direction_output_.value_or(turns && direction_ == SpindleDirection::clockwise);
+  wanted.spindle_pwm = pwm_output_.value_or(turns) ? spindle_part() : 0.0;
+}
+
 void MachineIo::apply() {
   hal::Outputs wanted;
   wanted.drives_enabled = drives_;
   wanted.mist = mist_;
   wanted.flood = flood_;
-  const double speed = speed_ * override_;
-  if (direction_ != SpindleDirection::off && speed > 0.0) {
-    const double real = std::clamp(speed, spindle_config_.min_speed, spindle_config_.max_speed);
-    wanted.spindle_on = true;
-    wanted.tool_direction = direction_ == SpindleDirection::clockwise;
-    wanted.spindle_pwm = real / spindle_config_.max_speed;
-  }
+  wanted.ports = ports_;
+  wanted.pwm = pwm_;
+  apply_spindle(wanted);
   if (wanted == outputs_) return;
   outputs_ = wanted;
   feed_.send(SetOutputs{wanted});

@@ -1,7 +1,11 @@
-// Spindle, coolant and drives: what is wanted of them, and the outputs that follow from it.
+// Spindle, coolant, drives and the general outputs: what is wanted of them, and the outputs that
+// follow from it; and the inputs that programs read.
 //
 // Outputs are sent when they change. Executor thread only.
 #pragma once
+
+#include <array>
+#include <optional>
 
 #include "config/machine_config.h"
 #include "interpreter/canonical.h"
@@ -19,6 +23,13 @@ class MachineIo {
   void set_spindle_speed(double rpm);
   void set_speed_override(double factor);
   void set_coolant(bool mist, bool flood);
+  /// AUX and card outputs by the manual's numbers (hal/ports.h); PWM 1 … 8, `value` 0 … 1.
+  Result<void> set_output(std::int32_t port, bool on);
+  Result<void> set_analog_output(std::int32_t port, double value);
+  /// One of the spindle's outputs by itself, until the spindle is told something else.
+  void set_spindle_output(interp::SpindleOutput output, bool on);
+  /// 0 or 1, or 0 … 1 of an analog input; ports as ReadInput numbers them.
+  [[nodiscard]] Result<double> read(const interp::ReadInput& input) const;
   /// Spindle and coolant off: end of program, stop, fault.
   void all_off();
   /// The board switched everything off by itself; remember it without sending.
@@ -30,6 +41,8 @@ class MachineIo {
 
  private:
   void apply();
+  void apply_spindle(hal::Outputs& wanted) const;
+  [[nodiscard]] double spindle_part() const;
 
   const config::SpindleConfig& spindle_config_;
   MotionFeed& feed_;
@@ -39,6 +52,10 @@ class MachineIo {
   bool mist_ = false;
   bool flood_ = false;
   bool drives_ = false;
+  hal::Ports ports_;
+  std::array<double, hal::kPwmCount> pwm_{};
+  std::optional<bool> direction_output_;  // M84 M85
+  std::optional<bool> pwm_output_;        // M86 M87
   hal::Outputs outputs_;
 };
 

@@ -41,11 +41,22 @@ MachineSnapshot Machine::take_snapshot() {
   shown.work_system = offsets.system;
   shown.active_codes = modal.active_codes();
   shown.job = take_job_snapshot();
+  shown.question = take_question_snapshot();
   shown.estop_input = board.inputs.estop();
+  shown.probe_input = board.inputs.probe;
   shown.home_switches = board.inputs.home;
   shown.fifo_time = board.fifo_time;
   shown.newest_message = log_.newest();
   return shown;
+}
+
+std::optional<QuestionSnapshot> Machine::take_question_snapshot() const {
+  const interp::Dialog* dialog = job_.question();
+  if (dialog == nullptr) return std::nullopt;
+  QuestionSnapshot question{question_, std::string(dialog->title), {}};
+  for (const interp::DialogField& field : dialog->fields)
+    question.fields.push_back({std::string(field.label), field.parameter, field.value});
+  return question;
 }
 
 JobSnapshot Machine::take_job_snapshot() {

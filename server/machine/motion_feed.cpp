@@ -72,6 +72,7 @@ double MotionFeed::executed_time() const {
 }
 
 bool MotionFeed::executed(std::uint32_t id) const {
+  if (id <= void_id_) return true;
   const hal::ControllerStatus& board = status_.board;
   return board.executing_id > id || (board.executing_id == id && board.executing_phase >= 1.0);
 }
@@ -116,6 +117,7 @@ void MotionFeed::accept_board_position() {
   Sent& last = history_[last_id_ % kHistory];
   last.end_velocity = {};
   last.end_time = executed_time();
+  void_id_ = last_id_;
   position_unknown_ = false;
 }
 

@@ -89,6 +89,7 @@ class MotionFeed {
   LinkStatus status_;
   std::array<Sent, kHistory> history_{};
   std::uint32_t last_id_ = 0;
+  std::uint32_t void_id_ = 0;  // up to here nothing is executed any more
   Position commanded_;
   bool position_unknown_ = false;  // a quick stop is under way
 };

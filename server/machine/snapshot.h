@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "config/axis.h"
 #include "interpreter/canonical.h"
@@ -27,6 +28,18 @@ struct JobSnapshot {
   std::uint64_t problems = 0;
   Position extents_min;
   Position extents_max;
+};
+
+/// What a program asks the operator (dlgmsg).
+struct QuestionSnapshot {
+  struct Field {
+    std::string label;
+    std::int32_t parameter = 0;
+    double value = 0.0;
+  };
+  std::uint64_t number = 0;  ///< counts up; the answer names it
+  std::string title;
+  std::vector<Field> fields;
 };
 
 struct MachineSnapshot {
@@ -53,7 +66,9 @@ struct MachineSnapshot {
   std::int32_t work_system = 1;
   std::string active_codes;
   JobSnapshot job;
+  std::optional<QuestionSnapshot> question;
   bool estop_input = false;
+  bool probe_input = false;
   AxisArray<bool> home_switches{};
   double fifo_time = 0.0;
   std::uint64_t newest_message = 0;

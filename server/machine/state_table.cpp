@@ -30,6 +30,7 @@ constexpr std::array<StateInfo, kStateCount> kStates{{
     {paused, "paused", "The job is paused: resume or stop it."},
     {program_stop, "program stop", "The program waits (M0/M1): resume or stop it."},
     {tool_change, "tool change", "The program waits for a tool: change it and resume, or stop."},
+    {question, "question", "The program asks for values: answer its dialog, or stop."},
     {stopping, "stopping", "The machine slows down to end the job."},
     {estop, "estop", "Emergency stop: release the button, then reset."},
     {error, "error", "Stopped by an error: read the message, then reset."},
@@ -40,17 +41,19 @@ constexpr std::uint32_t kAtRest = states({needs_reset, needs_homing, ready, esto
 constexpr std::array<CommandRule, kCommandCount> kCommands{{
     {CommandKind::reset, "reset", kAll & ~bit(off)},
     {CommandKind::home, "home", states({needs_homing, ready})},
-    {CommandKind::jog, "jog", states({needs_homing, ready, jogging})},
+    {CommandKind::jog, "jog",
+     states({needs_homing, ready, jogging, program_stop, tool_change, question})},
     {CommandKind::mdi, "mdi", states({ready})},
     {CommandKind::load, "load", kAtRest | bit(jogging) | bit(homing)},
     {CommandKind::run, "run", states({ready})},
     {CommandKind::pause, "pause", states({running, mdi})},
     {CommandKind::resume, "resume", states({paused, program_stop, tool_change})},
     {CommandKind::stop, "stop",
-     states({jogging, homing, mdi, running, pausing, paused, program_stop, tool_change})},
+     states({jogging, homing, mdi, running, pausing, paused, program_stop, tool_change, question})},
     {CommandKind::rewind, "rewind", kAtRest},
     {CommandKind::set_override, "override", kAll},
     {CommandKind::set_work_zero, "zero", states({needs_homing, ready})},
+    {CommandKind::answer, "answer", states({question})},
 }};
 
 static_assert(

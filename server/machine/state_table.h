@@ -26,11 +26,12 @@ enum class State : std::uint8_t {
   paused,
   program_stop,  ///< M0, M1
   tool_change,   ///< M6
+  question,      ///< dlgmsg
   stopping,      ///< slowing down, the job ends then
   estop,
   error,
 };
-inline constexpr std::size_t kStateCount = 15;
+inline constexpr std::size_t kStateCount = 16;
 
 enum class CommandKind : std::uint8_t {
   reset,
@@ -45,8 +46,9 @@ enum class CommandKind : std::uint8_t {
   rewind,
   set_override,
   set_work_zero,
+  answer,
 };
-inline constexpr std::size_t kCommandCount = 12;
+inline constexpr std::size_t kCommandCount = 13;
 
 struct StateInfo {
   State state;

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "server/rpc/utf8.h"
+
 namespace cnc::server::rpc {
 namespace {
 
@@ -35,6 +37,8 @@ v1::MachineState to_proto(State state) {
       return v1::MACHINE_STATE_PROGRAM_STOP;
     case State::tool_change:
       return v1::MACHINE_STATE_TOOL_CHANGE;
+    case State::question:
+      return v1::MACHINE_STATE_QUESTION;
     case State::stopping:
       return v1::MACHINE_STATE_STOPPING;
     case State::estop:
@@ -69,6 +73,8 @@ v1::Command to_proto(CommandKind command) {
       return v1::COMMAND_REWIND;
     case CommandKind::set_override:
       return v1::COMMAND_OVERRIDE;
+    case CommandKind::answer:
+      return v1::COMMAND_ANSWER;
     case CommandKind::set_work_zero:
       return v1::COMMAND_SET_WORK_ZERO;
   }
@@ -117,6 +123,19 @@ v1::JobStatus to_proto(const JobSnapshot& job) {
   return out;
 }
 
+v1::Question to_proto(const QuestionSnapshot& question) {
+  v1::Question out;
+  out.set_number(question.number);
+  out.set_title(valid_utf8(question.title));
+  for (const QuestionSnapshot::Field& field : question.fields) {
+    v1::QuestionField* row = out.add_fields();
+    row->set_label(valid_utf8(field.label));
+    row->set_parameter(field.parameter);
+    row->set_value(field.value);
+  }
+  return out;
+}
+
 void add_axes(const AxisArray<bool>& flags, google::protobuf::RepeatedField<int>* out) {
   for (const Axis axis : kAllAxes)
     if (flags[axis]) out->Add(to_proto(axis));
@@ -126,8 +145,10 @@ void add_axes(const AxisArray<bool>& flags, google::protobuf::RepeatedField<int>
 grpc::StatusCode status_code(ErrorCode code) {
   switch (code) {
     case ErrorCode::command_not_allowed:
+    case ErrorCode::no_question:
       return grpc::StatusCode::FAILED_PRECONDITION;
     case ErrorCode::file_not_found:
+    case ErrorCode::sub_unknown:
       return grpc::StatusCode::NOT_FOUND;
     case ErrorCode::command_interrupted:
       return grpc::StatusCode::ABORTED;
@@ -216,6 +237,8 @@ v1::MachineStatus to_proto(const MachineSnapshot& snapshot) {
   add_axes(snapshot.home_switches, out.mutable_home_switches());
   out.set_fifo_time(snapshot.fifo_time);
   out.set_newest_message(snapshot.newest_message);
+  if (snapshot.question) *out.mutable_question() = to_proto(*snapshot.question);
+  out.set_probe_input(snapshot.probe_input);
   for (const CommandRule& rule : command_table()) {
     v1::CommandAvailability* row = out.add_commands();
     row->set_command(to_proto(rule.command));

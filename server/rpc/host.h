@@ -60,20 +60,25 @@ grpc::ServerUnaryReactor* on_executor(Host& host, Task task) {
   return call;
 }
 
-/// Runs `task(machine, completion)` on the executor; the completion answers the call. If the client
-/// gives it up while the machine is in state `stop_in`, the machine is stopped.
+enum class OnCancel : std::uint8_t { nothing, stop_machine };
+
+/// Runs `task(machine, completion)` on the executor; the completion answers the call. The machine
+/// may be stopped if the client gives the call up before that.
 template <typename Task>
 grpc::ServerUnaryReactor* when_completed(Host& host, Task task,
-                                         std::optional<State> stop_in = std::nullopt) {
-  auto* call = new UnaryCall([&host, stop_in] {
-    if (!stop_in) return;
-    host.executor.post([&host, state = *stop_in] {
-      if (host.machine.state() == state) host.machine.stop([](const Result<void>&) {});
+                                         OnCancel on_cancel = OnCancel::nothing) {
+  const auto pending = std::make_shared<bool>(true);  // executor thread only
+  auto* call = new UnaryCall([&host, pending, on_cancel] {
+    if (on_cancel == OnCancel::nothing) return;
+    host.executor.post([&host, pending] {
+      if (*pending) host.machine.stop([](const Result<void>&) {});
     });
   });
-  host.executor.post([&host, call, task = std::move(task)]() mutable {
-    task(host.machine,
-         Completion([call](const Result<void>& result) { call->Finish(to_status(result)); }));
+  host.executor.post([&host, call, pending, task = std::move(task)]() mutable {
+    task(host.machine, Completion([call, pending](const Result<void>& result) {
+           *pending = false;
+           call->Finish(to_status(result));
+         }));
   });
   return call;
 }

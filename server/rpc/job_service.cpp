@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "cnc/v1/job.grpc.pb.h"
+#include "interpreter/statement_parser.h"
 #include "server/rpc/host.h"
 #include "server/rpc/utf8.h"
 
@@ -59,6 +60,26 @@ class JobService final : public v1::Job::CallbackService {
     return on_executor(host_, [](Machine& machine) { return machine.rewind(); });
   }
 
+  grpc::ServerUnaryReactor* Answer(grpc::CallbackServerContext*, const v1::AnswerRequest* request,
+                                   v1::AnswerResponse*) override {
+    return on_executor(host_, [request](Machine& machine) {
+      return machine.answer(request->number(), request->confirmed(),
+                            {request->values().begin(), request->values().end()});
+    });
+  }
+
+  grpc::ServerUnaryReactor* RunSub(grpc::CallbackServerContext*, const v1::RunSubRequest* request,
+                                   v1::RunSubResponse*) override {
+    if (request->name().empty() || interp::leading_name(request->name()) != request->name())
+      return answer(invalid_argument("The name of a sub has letters, digits and underscores."));
+    return when_completed(
+        host_,
+        [name = request->name()](Machine& machine, Completion done) {
+          machine.run_sub(name, std::move(done));
+        },
+        OnCancel::stop_machine);
+  }
+
   grpc::ServerUnaryReactor* ReadLines(grpc::CallbackServerContext*,
                                       const v1::ReadLinesRequest* request,
                                       v1::ReadLinesResponse* response) override {
@@ -98,6 +119,12 @@ class JobService final : public v1::Job::CallbackService {
     problem.set_line_text(valid_utf8(diagnostic.line_text));
     problem.set_length(diagnostic.length);
     problem.set_warning(diagnostic.severity == interp::Severity::warning);
+    for (const interp::CallSite& call : diagnostic.call_stack) {
+      v1::CallSite* site = problem.add_calls();
+      site->set_sub(valid_utf8(call.sub));
+      site->mutable_place()->set_file(call.file);
+      site->mutable_place()->set_line(call.line);
+    }
   }
 
   Host& host_;
@@ -118,7 +145,7 @@ class MdiService final : public v1::Mdi::CallbackService {
         [line = request->line()](Machine& machine, Completion done) {
           machine.mdi(line, std::move(done));
         },
-        State::mdi);
+        OnCancel::stop_machine);
   }
 
  private:

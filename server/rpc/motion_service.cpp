@@ -74,7 +74,7 @@ class HomingService final : public v1::Homing::CallbackService {
     }
     return when_completed(
         host_, [axes](Machine& machine, Completion done) { machine.home(axes, std::move(done)); },
-        State::homing);
+        OnCancel::stop_machine);
   }
 
  private:

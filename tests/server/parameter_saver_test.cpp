@@ -25,8 +25,8 @@ double stored_in(const std::filesystem::path& file) {
 TEST_CASE("What was handed over is on disk when wait() returns", "[STA-9][threads]") {
   const TemporaryDirectory folder;
   MessageLog log;
-  ParameterSaver saver(folder.file("parameters.txt"), log);
-  for (int i = 1; i <= 50; ++i) saver.save(with(i));
+  StateSaver saver({folder.file("parameters.txt"), {}}, log);
+  for (int i = 1; i <= 50; ++i) saver.save(with(i), {});
   saver.wait();
   CHECK(stored_in(folder.file("parameters.txt")) == 50.0);
   CHECK(log.newest() == 0);
@@ -36,8 +36,8 @@ TEST_CASE("The destructor writes what still waits", "[STA-9][threads]") {
   const TemporaryDirectory folder;
   MessageLog log;
   {
-    ParameterSaver saver(folder.file("parameters.txt"), log);
-    saver.save(with(7.0));
+    StateSaver saver({folder.file("parameters.txt"), {}}, log);
+    saver.save(with(7.0), {});
   }
   CHECK(stored_in(folder.file("parameters.txt")) == 7.0);
 }
@@ -46,21 +46,33 @@ TEST_CASE("A file that cannot be written is an error in the log, and the next sa
           "[STA-9][threads]") {
   const TemporaryDirectory folder;
   MessageLog log;
-  ParameterSaver saver(folder.file("missing/parameters.txt"), log);
-  saver.save(with(1.0));
+  StateSaver saver({folder.file("missing/parameters.txt"), {}}, log);
+  saver.save(with(1.0), {});
   saver.wait();
   REQUIRE(log.newest() == 1);
   CHECK(log.after(0)[0].error->code == ErrorCode::file_not_writable);
   std::filesystem::create_directory(folder.file("missing"));
-  saver.save(with(2.0));
+  saver.save(with(2.0), {});
   saver.wait();
   CHECK(stored_in(folder.file("missing/parameters.txt")) == 2.0);
 }
 
 TEST_CASE("A simulation saves nothing", "[threads]") {
   MessageLog log;
-  ParameterSaver saver({}, log);
-  saver.save(with(1.0));
+  StateSaver saver({}, log);
+  saver.save(with(1.0), {});
   saver.wait();
   CHECK(log.newest() == 0);
+}
+
+TEST_CASE("Tools are written when they change, beside the parameters", "[STA-9][threads]") {
+  const TemporaryDirectory folder;
+  MessageLog log;
+  StateSaver saver({folder.file("parameters.txt"), folder.file("tools.txt")}, log);
+  config::ToolTable tools;
+  REQUIRE(tools.set(7, {.length = 42.5}));
+  saver.save(with(3.0), tools);
+  saver.wait();
+  CHECK(stored_in(folder.file("parameters.txt")) == 3.0);
+  CHECK(config::ToolTable::load(folder.file("tools.txt")).value().tool(7).length == 42.5);
 }

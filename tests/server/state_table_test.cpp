@@ -22,29 +22,30 @@ namespace {
 
 struct Row {
   State state;
-  // reset home jog mdi load run pause resume stop rewind override zero
+  // reset home jog mdi load run pause resume stop rewind override zero answer
   std::string_view allowed;
 };
 
 constexpr std::array<Row, kStateCount> kExpected{{
-    {State::off, "....l....wO."},
-    {State::needs_reset, "R...l....wO."},
-    {State::needs_homing, "Rhj.l....wOz"},
-    {State::ready, "Rhjmlr...wOz"},
-    {State::jogging, "R.j.l...s.O."},
-    {State::homing, "R...l...s.O."},
-    {State::mdi, "R.....p.s.O."},
-    {State::running, "R.....p.s.O."},
-    {State::pausing, "R.......s.O."},
-    {State::paused, "R......gs.O."},
-    {State::program_stop, "R......gs.O."},
-    {State::tool_change, "R......gs.O."},
-    {State::stopping, "R.........O."},
-    {State::estop, "R...l....wO."},
-    {State::error, "R...l....wO."},
+    {State::off, "....l....wO.."},
+    {State::needs_reset, "R...l....wO.."},
+    {State::needs_homing, "Rhj.l....wOz."},
+    {State::ready, "Rhjmlr...wOz."},
+    {State::jogging, "R.j.l...s.O.."},
+    {State::homing, "R...l...s.O.."},
+    {State::mdi, "R.....p.s.O.."},
+    {State::running, "R.....p.s.O.."},
+    {State::pausing, "R.......s.O.."},
+    {State::paused, "R......gs.O.."},
+    {State::program_stop, "R.j....gs.O.."},
+    {State::tool_change, "R.j....gs.O.."},
+    {State::question, "R.j.....s.O.A"},
+    {State::stopping, "R.........O.."},
+    {State::estop, "R...l....wO.."},
+    {State::error, "R...l....wO.."},
 }};
 
-constexpr std::string_view kProgram = "G1 X50 F600\nM0\nM6 T1\nG1 X0\n";
+constexpr std::string_view kProgram = "G1 X50 F600\nM0\nM6 T1\ndlgmsg \"t\"\nG1 X0\n";
 
 void ignore(const Result<void>&) {}
 
@@ -108,9 +109,13 @@ std::unique_ptr<Rig> machine_in(State state) {
       run_until(State::program_stop);
       break;
     case State::tool_change:
+    case State::question:
       run_until(State::program_stop);
       REQUIRE(machine.resume());
       REQUIRE(rig->becomes(State::tool_change));
+      if (state == State::tool_change) break;
+      REQUIRE(machine.resume());
+      REQUIRE(rig->becomes(State::question));
       break;
     default:
       break;
@@ -156,6 +161,8 @@ Result<void> give(Rig& rig, CommandKind command) {
       break;
     case CommandKind::set_work_zero:
       return machine.set_work_zero({{Axis::X, 0.0}});
+    case CommandKind::answer:
+      return machine.answer(1, true, {});
   }
   return *answer;
 }
