@@ -110,6 +110,7 @@ struct Planner::Impl {
     piece.end = length_of(curve);
     piece.kind = options.kind;
     piece.feed = options.kind == MoveKind::feed ? options.feed : 0.0;
+    piece.follows_override = options.follows_override;
     piece.laf_angle = options.laf_angle.value_or(settings.laf_angle);
     piece.stop_at_end = options.stop_at_end;
     piece.tag = options.tag;
@@ -137,7 +138,7 @@ struct Planner::Impl {
     const double machine = largest_along(direction, settings.limits.max_velocity);
     const double speed = piece.kind == MoveKind::rapid
                              ? machine * overrides.rapid
-                             : std::min(machine, piece.feed * overrides.feed);
+                             : std::min(machine, piece.feed * overrides.feed_of(piece));
     return time_alone(length, speed, largest_along(direction, settings.limits.max_acceleration));
   }
 

@@ -34,6 +34,7 @@ struct MoveOptions {
   MoveKind kind = MoveKind::feed;
   double feed =
       0.0;  ///< programmed feed along the path, mm/s (deg/s for rotary-only); unused for rapids
+  bool follows_override = true;     ///< false: threads and taps, whose feed is their pitch
   bool stop_at_end = false;         ///< exact stop (G61.1) after this move
   std::optional<double> laf_angle;  ///< overrides the setting, degrees
   MoveTag tag;

@@ -14,6 +14,9 @@ enum class MoveKind : std::uint8_t { rapid, feed };
 struct MoveTag {
   std::uint64_t id = 0;    ///< ascending; chosen by the caller
   std::uint32_t line = 0;  ///< source line of the job, 0 if none
+  /// Speed of the spindle that the move was planned for and follows, rpm; 0 = none.
+  double spindle_speed = 0.0;
+  bool begins_at_index = false;  ///< the move's first setpoint waits for the spindle's index
 };
 
 /// One piece of motion. Position is a cubic in time: together with the end of the setpoint before

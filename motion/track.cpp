@@ -102,9 +102,10 @@ bool Track::append_blended(const Piece& piece, double cut) {
 }
 
 void Track::push(Piece piece, bool stop_before) {
-  const double speed = std::min(
-      piece.kind == MoveKind::feed ? piece.feed * std::max(1.0, overrides_.feed) : kInfinity,
-      largest_along(tangent_of(piece.curve, piece.begin), limits_.max_velocity));
+  const double speed =
+      std::min(piece.kind == MoveKind::feed ? piece.feed * std::max(1.0, overrides_.feed_of(piece))
+                                            : kInfinity,
+               largest_along(tangent_of(piece.curve, piece.begin), limits_.max_velocity));
   piece.grid = grid_length(piece.curve, piece.begin, piece.end, speed, limits_);
   piece.stepped = piece.begin;
   const double acceleration =
@@ -187,7 +188,7 @@ void Track::apply_feed(Step& step, const Piece& piece) const {
   if (piece.kind == MoveKind::rapid) {
     step.wanted_x = step.machine_x * overrides_.rapid * overrides_.rapid;
   } else {
-    const double feed = piece.feed * overrides_.feed;
+    const double feed = piece.feed * overrides_.feed_of(piece);
     step.wanted_x = std::min(step.machine_x, feed * feed);
   }
 }

@@ -23,11 +23,6 @@
 
 namespace cnc::motion {
 
-struct Overrides {
-  double feed = 1.0;
-  double rapid = 1.0;
-};
-
 /// A curve with what the program wants of it. The range [begin, end] of the curve is driven; blends
 /// have taken the rest.
 struct Piece {
@@ -37,10 +32,20 @@ struct Piece {
   double stepped = 0.0;  ///< up to here it has been cut into steps
   double grid = 0.0;     ///< longest step
   MoveKind kind = MoveKind::feed;
+  bool follows_override = true;
   double feed = 0.0;
   double laf_angle = 0.0;
   bool stop_at_end = false;
   MoveTag tag;
+};
+
+struct Overrides {
+  double feed = 1.0;
+  double rapid = 1.0;
+
+  [[nodiscard]] double feed_of(const Piece& piece) const {
+    return piece.follows_override ? feed : 1.0;
+  }
 };
 
 /// Where the machine is: `done` mm inside step number `step`, at `speed` = ds/dt.

@@ -101,6 +101,7 @@ JobSignal JobControl::cycle() {
   show_due_notes();
   if (waits_for_ == WaitsFor::probe) return cycle_probe();
   if (waits_for_ == WaitsFor::input) return cycle_input();
+  if (waits_for_ == WaitsFor::spindle) return cycle_spindle();
   if (waits_for_ != WaitsFor::nothing) return JobSignal::none;
 
   // Bounds the time of one cycle when the program says much and moves little.
@@ -161,6 +162,11 @@ JobSignal JobControl::perform(const JobEvent& event) {
           },
           [&](const interp::HomeAxis&) { return wait_for(WaitsFor::homing, JobSignal::home); },
           [&](const interp::ProbeMove& move) { return start_probe(move); },
+          [&](const interp::SyncMove&) {
+            wait_began_ = speed_checked_ = feed_.board().time;
+            speed_before_ = 0.0;
+            return wait_for(WaitsFor::spindle, JobSignal::none);
+          },
           [&](const interp::ReadInput&) {
             wait_began_ = feed_.board().time;
             return wait_for(WaitsFor::input, JobSignal::none);
@@ -210,6 +216,30 @@ JobSignal JobControl::start_probe(const interp::ProbeMove& move) {
 JobSignal JobControl::fail_with(Error error) {
   error_ = std::move(error);
   return finish(JobSignal::failed);
+}
+
+/// Before a thread the spindle has to turn at a steady speed, which is measured (manual 3.4.19).
+JobSignal JobControl::cycle_spindle() {
+  constexpr double kInterval = 0.25;  // s
+  constexpr double kSteady = 0.01;    // of the speed, in that time
+  constexpr double kTimeout = 10.0;   // s
+  const hal::ControllerStatus& board = feed_.board();
+  if (board.time - speed_checked_ < kInterval) return JobSignal::none;
+  speed_checked_ = board.time;
+  const double change =
+      std::abs(board.spindle_speed - std::exchange(speed_before_, board.spindle_speed));
+  if (board.spindle_speed > 0.0 && change <= kSteady * board.spindle_speed) {
+    runner_.set_measured_speed(board.spindle_speed);
+    go_on({});
+    return JobSignal::none;
+  }
+  if (board.time - wait_began_ < kTimeout) return JobSignal::none;
+  return fail_with({ErrorCode::spindle_not_steady,
+                    board.spindle_speed > 0.0
+                        ? fmt::format("The spindle does not come to a steady speed ({:.0f} rpm).",
+                                      board.spindle_speed)
+                        : "The spindle does not turn, or its index sensor gives no pulse.",
+                    std::nullopt});
 }
 
 /// M56: at once, or when the input is as wanted or the time is over; #5399 is then what it is.

@@ -97,13 +97,14 @@ class JobControl {
   };
 
   /// What the action in hand waits for.
-  enum class WaitsFor : std::uint8_t { nothing, operator_, answer, homing, probe, input };
+  enum class WaitsFor : std::uint8_t { nothing, operator_, answer, homing, probe, input, spindle };
 
   [[nodiscard]] JobSignal perform(const JobEvent& event);
   [[nodiscard]] JobSignal wait_for(WaitsFor what, JobSignal signal);
   [[nodiscard]] JobSignal start_probe(const interp::ProbeMove& move);
   [[nodiscard]] JobSignal cycle_probe();
   [[nodiscard]] JobSignal cycle_input();
+  [[nodiscard]] JobSignal cycle_spindle();
   [[nodiscard]] JobSignal fail_with(Error error);
   void go_on(interp::Answer answer);
   [[nodiscard]] Result<void> change_height_map(const interp::ChangeHeightMap& change,
@@ -132,7 +133,9 @@ class JobControl {
   Position probe_position_;  // of the last probe move that tripped
   HeightMap height_map_;
   std::optional<interp::UseSurfaceSpeed> surface_speed_;
-  double wait_began_ = 0.0;  // board time at which an input began to be waited for
+  double wait_began_ = 0.0;    // board time at which an input or the spindle began to be waited for
+  double speed_before_ = 0.0;  // of the spindle, rpm: a steady one does not change
+  double speed_checked_ = 0.0;  // board time then
   Overrides overrides_;
   bool feed_override_enabled_ = true;
   bool speed_override_enabled_ = true;

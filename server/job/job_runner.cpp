@@ -49,6 +49,7 @@ Role role_of(const interp::CommandBody& body) {
                         [](const interp::SetGuard&) { return Role::guard; },
                         [](const interp::ClampAxis&) { return Role::action; },
                         [](const interp::ProbeMove&) { return Role::action; },
+                        [](const interp::SyncMove&) { return Role::motion; },
                         [](const interp::AskOperator&) { return Role::action; },
                         [](const interp::HomeAxis&) { return Role::action; },
                         [](const interp::ChangeHeightMap&) { return Role::action; },
@@ -99,6 +100,8 @@ void JobRunner::start(std::shared_ptr<const interp::Program> program, const Posi
   spindle_ = spindle;
   mode_ = mode;
   guards_machine_ = guards_tool_change_ = true;
+  thread_move_.reset();
+  in_thread_ = false;
 }
 
 void JobRunner::abandon() {
@@ -151,6 +154,7 @@ void JobRunner::action_done(const std::optional<interp::Answer>& answer) {
     spindle_ = turn->direction;
   }
   if (std::holds_alternative<interp::ChangeTool>(done)) spindle_ = SpindleDirection::off;
+  if (std::holds_alternative<interp::SyncMove>(done)) begins_at_index_ = true;
   pending_action_.reset();
   if (!answer) return;
   interpreter_.answer(*answer);
@@ -190,6 +194,7 @@ void JobRunner::fill_planner() {
       case interp::Progress::found:
         return;  // the action is pending; nobody searches here
       case interp::Progress::failed:
+        queue_thread(false);
         error_ = interpreter_.diagnostic().to_error();
         program_over_ = true;
         break;
@@ -206,6 +211,8 @@ bool JobRunner::is_motion(const interp::CommandBody& body) const {
 }
 
 void JobRunner::take(const interp::Command& command) {
+  if (std::holds_alternative<interp::SyncMove>(command.body)) return take_sync_move(command);
+  queue_thread(false);
   if (const auto* speed = std::get_if<interp::SetSpindleSpeed>(&command.body)) {
     spindle_speed_ = speed->speed;
     surface_speed_.reset();
@@ -246,6 +253,41 @@ void JobRunner::take(const interp::Command& command) {
           command.source);
       break;
   }
+}
+
+/// The first move of a thread begins at rest, at the spindle's index and with its measured speed:
+/// it becomes an action first. Those behind it belong to the same thread.
+void JobRunner::take_sync_move(const interp::Command& command) {
+  queue_thread(true);
+  if (error_) return;
+  thread_move_ = command;
+  if (std::exchange(in_thread_, true) || mode_ != interp::RunMode::run) return;
+  pending_action_ = event_of(command);
+}
+
+void JobRunner::queue_thread(bool goes_on) {
+  if (thread_move_) {
+    const interp::Command command = *std::exchange(thread_move_, std::nullopt);
+    if (auto queued = queue_sync_move(command, goes_on); !queued)
+      fail_with(std::move(queued.error()), command.source);
+  }
+  in_thread_ = in_thread_ && goes_on;
+}
+
+Result<void> JobRunner::queue_sync_move(const interp::Command& command, bool goes_on) {
+  const auto& move = std::get<interp::SyncMove>(command.body);
+  const double rpm = mode_ == interp::RunMode::run ? measured_speed_ : 60.0 * turns_per_second();
+  motion::MoveOptions options = options_for(command, motion::MoveKind::feed, move.end);
+  options.feed = move.pitch * rpm / 60.0;
+  options.follows_override = false;
+  options.stop_at_end = !goes_on;
+  options.laf_angle = 180.0;  // a thread goes on through its tapers
+  options.tag.spindle_speed = mode_ == interp::RunMode::run ? rpm : 0.0;
+  options.tag.begins_at_index = std::exchange(begins_at_index_, false);
+  if (auto possible = check_thread_speed(config_, move.end - planner_.queue_end(), options.feed);
+      !possible)
+    return possible;
+  return queue_line(move.end, options);
 }
 
 Result<void> JobRunner::queue_motion(const interp::Command& command) {

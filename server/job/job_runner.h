@@ -53,6 +53,8 @@ class JobRunner {
   /// The feed of a probe move that is in hand, mm/s.
   [[nodiscard]] double feed_of(const interp::ProbeMove& move) const { return feed_for(move.end); }
   [[nodiscard]] const Error& error() const { return *error_; }
+  /// The speed that the spindle was measured to turn at, rpm: for the synchronised move in hand.
+  void set_measured_speed(double rpm) { measured_speed_ = rpm; }
   /// With `answer`: what became of a command that waits for one, and where the machine stands now.
   /// Without: everything went as programmed.
   void action_done(const std::optional<interp::Answer>& answer = std::nullopt);
@@ -77,6 +79,9 @@ class JobRunner {
                                        const motion::MoveOptions& options);
   [[nodiscard]] motion::MoveOptions options_for(const interp::Command& command,
                                                 motion::MoveKind kind, const Position& end);
+  void take_sync_move(const interp::Command& command);
+  void queue_thread(bool goes_on);
+  [[nodiscard]] Result<void> queue_sync_move(const interp::Command& command, bool goes_on);
   [[nodiscard]] Result<void> check_space(const motion::Extents& extents) const;
   [[nodiscard]] double feed_for(const Position& end) const;
   [[nodiscard]] double turns_per_second() const;
@@ -105,6 +110,11 @@ class JobRunner {
   std::deque<DueNote> notes_;
   std::optional<JobEvent> pending_action_;  ///< the planner runs empty, then it is handed out
   bool held_ = false;
+  /// A thread's move waits for the next command: only the last one of a thread ends at rest.
+  std::optional<interp::Command> thread_move_;
+  bool in_thread_ = false;       // the first move of the thread has been queued or waits
+  double measured_speed_ = 0.0;  // rpm
+  bool begins_at_index_ = false;
   double dwell_left_ = 0.0;  ///< s; G4, or a spindle that runs up
   interp::SpindleDirection spindle_ = interp::SpindleDirection::off;
   bool interpreter_busy_ = false;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
 
 namespace cnc::server {
@@ -27,6 +28,23 @@ std::unexpected<Error> refuse_area() {
 }
 
 }  // namespace
+
+Result<void> check_thread_speed(const config::MachineConfig& config, const Position& way,
+                                double feed) {
+  constexpr double kRoom = 0.8;
+  const double length = linear_length(way);
+  if (length == 0.0) return {};
+  for (const Axis axis : kLinearAxes) {
+    const double speed = feed * std::abs(way[axis]) / length;
+    const double limit = kRoom * config.axes[axis].velocity;
+    if (speed <= limit || !config.axes[axis].connected()) continue;
+    return fail(ErrorCode::thread_too_fast,
+                fmt::format("At the spindle's speed {} would have to move at {:.3f} mm/s; {:.3f} "
+                            "are possible for a thread.",
+                            axis_name(axis), speed, limit));
+  }
+  return {};
+}
 
 // The part of the line, 0 … 1, that is between both ends of a side shrinks with every side.
 Result<void> check_tool_change_area(const config::ToolChangeArea& area, const Position& start,

@@ -11,6 +11,10 @@ namespace cnc::server {
 [[nodiscard]] Result<void> check_travel(const config::MachineConfig& config,
                                         const motion::Extents& extents);
 
+/// Refuses a synchronised move that an axis cannot follow: `feed` along `way`, with the room that
+/// the board keeps for a spindle that turns faster than planned (manual 3.4.9).
+[[nodiscard]] Result<void> check_thread_speed(const config::MachineConfig& config,
+                                              const Position& way, double feed);
 /// Refuses a straight move that touches the tool change area (STA-7).
 [[nodiscard]] Result<void> check_tool_change_area(const config::ToolChangeArea& area,
                                                   const Position& start, const Position& end);

@@ -55,7 +55,14 @@ Result<void> MotionFeed::emit(const motion::Setpoint& setpoint) {
   for (const Axis axis : kAllAxes)
     next.moves[axis] = setpoint.position[axis] != commanded_[axis] ||
                        next.start_velocity[axis] != 0.0 || next.end_velocity[axis] != 0.0;
-  if (!link_.push(hal::Segment{next.id, setpoint.duration, setpoint.position, setpoint.velocity}))
+  const motion::MoveTag& tag = setpoint.tag;
+  const hal::Segment segment{.id = next.id,
+                             .duration = setpoint.duration,
+                             .position = setpoint.position,
+                             .velocity = setpoint.velocity,
+                             .wait_for_index = tag.begins_at_index && tag.id != before.tag.id,
+                             .spindle_speed = tag.spindle_speed};
+  if (!link_.push(segment))
     return fail(ErrorCode::internal_error, "The link's queue is full; wants_more() was not asked.");
   history_[next.id % kHistory] = next;
   last_id_ = next.id;
