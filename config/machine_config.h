@@ -54,6 +54,15 @@ struct SpindleConfig {
   friend bool operator==(const SpindleConfig&, const SpindleConfig&) = default;
 };
 
+/// CRD-4: from the first spindle to another head, mm.
+struct HeadOffset {
+  double x = 0.0;
+  double y = 0.0;
+  double z = 0.0;
+
+  friend bool operator==(const HeadOffset&, const HeadOffset&) = default;
+};
+
 struct SafetyConfig {
   bool homing_mandatory = true;
   bool home_sensor_is_estop = false;
@@ -106,6 +115,10 @@ struct MachineConfig {
   InterpreterConfig interpreter;
   JobConfig job;
   ToolChangeArea tool_change_area;
+  HeadOffset spindle_1;  ///< M91
+  HeadOffset spindle_2;  ///< M92 M93
+  HeadOffset probe;      ///< M95
+  HeadOffset camera;     ///< M97
 
   friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
 };

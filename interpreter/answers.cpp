@@ -30,15 +30,20 @@ void Execution::take(const Answer& answer, const CommandBody& command) {
     parameters_.set(kDialogResult, answer.confirmed ? 1.0 : -1.0);
     const std::vector<DialogField>& fields = ask->dialog->fields;
     for (std::size_t i = 0; answer.confirmed && i < fields.size() && i < answer.values.size(); ++i)
-      take_value(fields[i].parameter, answer.values[i]);
+      set_now(fields[i].parameter, answer.values[i]);
   }
 }
 
-// A value that the parameter cannot have leaves it as it was: the operator's screen does not know
-// the ranges of the tool table.
-void Execution::take_value(std::int32_t number, double value) {
-  ParameterAccess access(settings_, parameters_, tools_, state_);
-  if (access.check({number, value, {}})) access.set(number, value);
+Accepted Execution::check(const Answer& answer, const CommandBody& command) const {
+  const auto* ask = std::get_if<AskOperator>(&command);
+  if (ask == nullptr || !answer.confirmed) return {};
+  const ParameterAccess access(settings_, parameters_, tools_, state_);
+  const std::vector<DialogField>& fields = ask->dialog->fields;
+  for (std::size_t i = 0; i < fields.size() && i < answer.values.size(); ++i) {
+    Accepted possible = access.check({fields[i].parameter, answer.values[i], {}});
+    if (!possible) return possible;
+  }
+  return {};
 }
 
 Answer Execution::expected_answer(const CommandBody& command) const {

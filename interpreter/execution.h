@@ -114,6 +114,8 @@ class Execution {
   }
   /// What the world says about `command`, the last one of the queue that it has seen.
   void take(const Answer& answer, const CommandBody& command);
+  /// Why `answer` cannot be taken: a value that its parameter cannot have.
+  [[nodiscard]] Accepted check(const Answer& answer, const CommandBody& command) const;
   /// What it would say if everything went as programmed.
   [[nodiscard]] Answer expected_answer(const CommandBody& command) const;
   /// Reads work system and offsets from the parameters again; emits what has changed.
@@ -133,8 +135,6 @@ class Execution {
   /// Refuses commands from `first` on that would turn A against its brake.
   [[nodiscard]] Accepted check_clamp(double a, std::size_t first) const;
   [[nodiscard]] Accepted check_settings() const;
-  /// Writes what the operator has typed.
-  void take_value(std::int32_t number, double value);
   void undo(const MachineState& before, std::size_t commands_before);
   void apply_settings();
   void apply_writes();

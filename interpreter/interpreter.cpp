@@ -52,6 +52,10 @@ void Interpreter::reset() { impl_->runner.reset(); }
 Progress Interpreter::next() { return impl_->runner.next(); }
 const Command& Interpreter::command() const { return impl_->runner.command(); }
 void Interpreter::answer(const Answer& answer) { impl_->runner.answer(answer); }
+std::optional<Error> Interpreter::refusal_of(const Answer& answer) const {
+  return impl_->runner.refusal_of(answer);
+}
+void Interpreter::cancel_cutter_compensation() { impl_->runner.cancel_cutter_compensation(); }
 Answer Interpreter::expected_answer() const { return impl_->runner.expected_answer(); }
 const Diagnostic& Interpreter::diagnostic() const { return impl_->runner.diagnostic(); }
 bool Interpreter::skip_failed_line() { return impl_->runner.skip_failed_line(); }

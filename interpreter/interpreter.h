@@ -19,6 +19,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string_view>
 #include <vector>
 
@@ -90,6 +91,8 @@ class Interpreter {
   [[nodiscard]] const std::vector<Diagnostic>& library_warnings() const;
   /// Gives up the running program; modal state is kept.
   void stop();
+  /// A program was ended in its middle: its cutter compensation must not act on the next one.
+  void cancel_cutter_compensation();
   /// Modal state as after power-up.
   void reset();
 
@@ -97,6 +100,8 @@ class Interpreter {
   [[nodiscard]] const Command& command() const;
   /// While next() says `waiting`: what became of command(). Ignored at any other time.
   void answer(const Answer& answer);
+  /// Why answer() cannot take it: a value that its parameter cannot have.
+  [[nodiscard]] std::optional<Error> refusal_of(const Answer& answer) const;
   /// The answer to command() if everything goes as programmed.
   [[nodiscard]] Answer expected_answer() const;
   [[nodiscard]] const Diagnostic& diagnostic() const;

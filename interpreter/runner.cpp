@@ -143,6 +143,13 @@ void Runner::answer(const Answer& answer) {
   if (std::holds_alternative<Synchronise>(command().body)) access_.set_live(true);
 }
 
+std::optional<Error> Runner::refusal_of(const Answer& answer) const {
+  if (!waits_) return std::nullopt;
+  const Accepted possible = execution_.check(answer, command().body);
+  if (possible) return std::nullopt;
+  return diagnostic_of(possible.error(), Severity::error).to_error();
+}
+
 Answer Runner::expected_answer() const { return execution_.expected_answer(command().body); }
 
 // --- one line

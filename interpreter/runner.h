@@ -34,6 +34,8 @@ class Runner {
   [[nodiscard]] Progress next();
   [[nodiscard]] const Command& command() const;
   void answer(const Answer& answer);
+  [[nodiscard]] std::optional<Error> refusal_of(const Answer& answer) const;
+  void cancel_cutter_compensation() { end_compensation(execution_); }
   [[nodiscard]] Answer expected_answer() const;
   [[nodiscard]] const Diagnostic& diagnostic() const { return diagnostic_; }
   [[nodiscard]] const std::vector<Diagnostic>& warnings() const { return warnings_; }

@@ -80,6 +80,7 @@ std::expected<MachineData, config::Errors> DataFolder::load(
   MachineData data;
   data.parameter_file = folder_ / kParameterFile;
   data.tool_file = folder_ / kToolFile;
+  data.config_file = config_file.empty() ? folder_ / kConfigFile : config_file;
   data.program_folder = folder_ / kProgramFolder;
   data.macro_files = {folder_ / kMacroFile, folder_ / kUserMacroFile};
   const auto take = [&](auto loaded, auto& into) {
@@ -88,8 +89,7 @@ std::expected<MachineData, config::Errors> DataFolder::load(
     else
       errors.push_back(loaded.error());
   };
-  auto config = config::load_machine_config(
-      config_file.empty() ? folder_ / kConfigFile : config_file, overrides);
+  auto config = config::load_machine_config(data.config_file, overrides);
   if (config)
     data.config = std::move(*config);
   else

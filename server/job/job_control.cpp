@@ -71,6 +71,14 @@ const interp::Dialog* JobControl::question() const {
   return std::get<interp::AskOperator>(runner_.event().command.body).dialog;
 }
 
+std::optional<Error> JobControl::refusal_of_answer(bool confirmed,
+                                                   const std::vector<double>& values) const {
+  interp::Answer answer;
+  answer.confirmed = confirmed;
+  answer.values = values;
+  return interpreter_.refusal_of(answer);
+}
+
 void JobControl::answer_question(bool confirmed, std::vector<double> values) {
   interp::Answer answer;
   answer.confirmed = confirmed;
@@ -182,6 +190,10 @@ JobSignal JobControl::perform(const JobEvent& event) {
           [&](const interp::SetAnalogOutput& set) {
             const auto done = io_.set_analog_output(set.port, set.value);
             return done ? JobSignal::none : fail_with(done.error());
+          },
+          [&](const interp::StoreHeadOffset& store) {
+            const auto kept = keep_head_ ? keep_head_(store) : Result<void>{};
+            return kept ? JobSignal::none : fail_with(kept.error());
           },
           [&](const interp::ClampAxis& clamp) {
             clamped_[clamp.axis] = clamp.on;

@@ -4,6 +4,7 @@
 
 #include <cstdint>
 #include <deque>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -62,9 +63,16 @@ class JobControl {
   void resume();
   /// What the program asks; nullptr when it asks nothing. Valid until it is answered.
   [[nodiscard]] const interp::Dialog* question() const;
+  /// Why the answer cannot be taken: a value that its parameter cannot have.
+  [[nodiscard]] std::optional<Error> refusal_of_answer(bool confirmed,
+                                                       const std::vector<double>& values) const;
   /// Cancelled, or confirmed with a value for each field (none: they stay).
   void answer_question(bool confirmed, std::vector<double> values);
   [[nodiscard]] interp::HomeAxis home_request() const;
+  /// Is called with a head's offset that a program has measured (M91 … M97 Q1).
+  void set_head_keeper(std::function<Result<void>(const interp::StoreHeadOffset&)> keeper) {
+    keep_head_ = std::move(keeper);
+  }
   void home_done();
   /// Whether home switches act as estop (HomeIsEstop), and which axes are clamped (M26).
   [[nodiscard]] bool home_is_estop() const { return home_is_estop_; }
@@ -127,6 +135,7 @@ class JobControl {
   Kind kind_ = Kind::job;
   bool active_ = false;
   WaitsFor waits_for_ = WaitsFor::nothing;
+  std::function<Result<void>(const interp::StoreHeadOffset&)> keep_head_;
   bool home_is_estop_;
   AxisArray<bool> clamped_{};
   ProbeMotion probe_;

@@ -48,6 +48,7 @@ Role role_of(const interp::CommandBody& body) {
                         [](const interp::UseHomeSensorsAsEstop&) { return Role::note; },
                         [](const interp::SetGuard&) { return Role::guard; },
                         [](const interp::ClampAxis&) { return Role::action; },
+                        [](const interp::StoreHeadOffset&) { return Role::action; },
                         [](const interp::ProbeMove&) { return Role::action; },
                         [](const interp::SyncMove&) { return Role::motion; },
                         [](const interp::AskOperator&) { return Role::action; },

@@ -21,7 +21,16 @@ namespace cnc::server {
   facts.tool_change_area_high[Axis::X] = area.x_high;
   facts.tool_change_area_high[Axis::Y] = area.y_high;
   facts.tool_change_area_high[Axis::Z] = area.z_high;
-  facts.max_speed[0] = config.spindle.max_speed;
+  const auto position = [](const config::HeadOffset& offset) {
+    Position result;
+    result[Axis::X] = offset.x;
+    result[Axis::Y] = offset.y;
+    result[Axis::Z] = offset.z;
+    return result;
+  };
+  facts.head_offset = {Position{}, position(config.spindle_1), position(config.spindle_2),
+                       position(config.probe), position(config.camera)};
+  facts.max_speed.fill(config.spindle.max_speed);
   return facts;
 }
 

@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "config/ini_file.h"
 #include "server/job/settings.h"
 
 namespace cnc::server {
@@ -32,6 +33,7 @@ Machine::Machine(MachineData data, Link& link, MessageLog& log)
       jog_(data_.config, feed_),
       saver_({data_.parameter_file, data_.tool_file}, log_) {
   load_macros();
+  job_.set_head_keeper([this](const interp::StoreHeadOffset& store) { return keep_head(store); });
 }
 
 Machine::~Machine() {
@@ -167,6 +169,7 @@ Result<void> Machine::answer(std::uint64_t question, bool confirmed, std::vector
   for (const double value : values)
     if (!std::isfinite(value))
       return fail(ErrorCode::value_out_of_range, "A value of the answer is not a number.");
+  if (auto refused = job_.refusal_of_answer(confirmed, values)) return std::unexpected(*refused);
   job_.answer_question(confirmed, std::move(values));
   enter(working_state());
   return {};
@@ -196,6 +199,38 @@ void Machine::load_macros() {
   if (warnings.empty()) return;
   log_.add(Severity::warning, fmt::format("{} remarks on the macro files, first: {}",
                                           warnings.size(), warnings[0].to_error().to_string()));
+}
+
+/// Into the machine's configuration and its file; only this, not what the command line has changed.
+Result<void> Machine::keep_head(const interp::StoreHeadOffset& store) {
+  const auto put = [&](config::MachineConfig& config) {
+    const config::HeadOffset offset{store.offset[Axis::X], store.offset[Axis::Y],
+                                    store.offset[Axis::Z]};
+    switch (store.head) {
+      case interp::Head::spindle_1:
+        config.spindle_1 = offset;
+        break;
+      case interp::Head::spindle_2:
+        config.spindle_2 = offset;
+        break;
+      case interp::Head::probe:
+        config.probe = offset;
+        break;
+      case interp::Head::camera:
+        config.camera = offset;
+        break;
+      case interp::Head::spindle_0:
+        break;  // the one that offsets count from
+    }
+  };
+  put(data_.config);
+  if (data_.config_file.empty()) return {};
+  auto on_disk = config::load_machine_config(data_.config_file);
+  if (!on_disk) return std::unexpected(on_disk.error().front());
+  put(*on_disk);
+  if (auto saved = config::save_machine_config(data_.config_file, *on_disk); !saved)
+    return std::unexpected(saved.error().front());
+  return {};
 }
 
 bool Machine::has_sub(std::string_view name) const {

@@ -40,6 +40,7 @@ struct MachineData {
   config::ToolTable tools;
   std::filesystem::path parameter_file;  ///< empty: nothing is saved
   std::filesystem::path tool_file;       ///< empty: tools are not saved
+  std::filesystem::path config_file;     ///< empty: measured head offsets are not saved
   std::filesystem::path program_folder;  ///< what programs write goes here; empty: nowhere
   std::vector<std::filesystem::path> macro_files;  ///< macro.cnc, then user_macro.cnc
   bool analyse_jobs = true;  ///< check and predict a loaded job in the background
@@ -114,6 +115,7 @@ class Machine {
   [[nodiscard]] Result<void> check_clamp(Axis axis) const;
   void watch_home_switches();
   void load_macros();
+  Result<void> keep_head(const interp::StoreHeadOffset& store);
   [[nodiscard]] std::optional<std::string> homing_subs(const std::vector<Axis>& axes,
                                                        bool all) const;
   [[nodiscard]] bool has_sub(std::string_view name) const;

@@ -232,6 +232,7 @@ void Machine::home_for_job() {
 void Machine::end_job(const Result<void>& result) {
   job_.abandon();
   const bool was_job = !std::exchange(single_line_, false);
+  if (was_job || !result) interpreter_.cancel_cutter_compensation();
   // A wrong line of the operator moves nothing and switches nothing.
   const bool interrupted = !result && result.error().code == ErrorCode::command_interrupted;
   if (interrupted || (was_job && !result)) io_.all_off();

@@ -23,6 +23,8 @@ MachineSnapshot Machine::take_snapshot() {
   const interp::ModalState& modal = interpreter_.modal();
   shown.work_position = modal.rotated || modal.scaled ? interpreter_.to_work(board.position)
                                                       : board.position - offsets.total();
+  if (data_.config.interpreter.diameter_programming && !modal.rotated && !modal.scaled)
+    shown.work_position[Axis::X] *= 2.0;  // to_work() has it already
   shown.homed = homed_;
   shown.velocity = executing.velocity;
   const double linear = linear_length(executing.velocity);

@@ -3,6 +3,7 @@
 #include <catch2/catch.hpp>
 #include <fmt/format.h>
 
+#include "config/ini_file.h"
 #include "server/daemon/shipped_files.h"
 #include "tests/config/temporary_directory.h"
 #include "tests/server/rig.h"
@@ -34,6 +35,7 @@ struct MacroRig {
     machine.parameter_file = folder.file("parameters.txt");
     machine.tool_file = folder.file("tools.txt");
     machine.program_folder = folder.file("files");
+    machine.config_file = folder.file("cnc.ini");
     return machine;
   }
 
@@ -473,4 +475,41 @@ TEST_CASE("A thread needs a turning spindle and axes that can follow", "[GCO-7]"
   REQUIRE_FALSE(fast);
   CHECK(fast.error().code == ErrorCode::thread_too_fast);
   CHECK(macro.rig.position()[Axis::X] == Approx(0.0));
+}
+
+TEST_CASE("A dialog value that its parameter cannot have is refused and asked again", "[LNG-4]") {
+  MacroRig macro("sub ask\ndlgmsg \"Tool\" \"Diameter\" 5507\nendsub");
+  macro.rig.machine.mdi("gosub ask", [](const Result<void>&) {});
+  REQUIRE(macro.rig.becomes(State::question));
+  macro.rig.simulation.cycle();
+  const std::uint64_t number = macro.rig.shown()->question->number;
+  CHECK_FALSE(macro.rig.machine.answer(number, true, {1e6}));
+  CHECK(macro.rig.state() == State::question);
+  CHECK(macro.rig.machine.answer(number, true, {6.0}));
+  REQUIRE(macro.rig.becomes(State::ready));
+  REQUIRE(macro.run("msg \"diameter \"#5507"));
+  CHECK_THAT(macro.messages(), Contains("diameter 6"));
+}
+
+TEST_CASE("A measured head offset is kept in the configuration's file", "[CRD-4]") {
+  MacroRig macro("sub nothing\nendsub");
+  config::test::put(macro.folder.file("cnc.ini"), shipped_cnc_ini());
+  REQUIRE(macro.run("G10 L20 P1 X0 Y0 Z0"));
+  REQUIRE(macro.run("G0 X30 Y-0 Z-5"));
+  REQUIRE(macro.run("M95 Q1"));
+  const auto saved = config::load_machine_config(macro.folder.file("cnc.ini")).value();
+  CHECK(saved.probe.x == Approx(30.0));
+  CHECK(saved.probe.z == Approx(-5.0));
+  CHECK(saved.camera == config::HeadOffset{});
+}
+
+TEST_CASE("Cutter compensation of a job that ended in its middle does not act on the next",
+          "[GCO-4]") {
+  MacroRig macro("sub nothing\nendsub");
+  macro.rig.start("G41.1 D6\nG1 X20 Y20 F6000\nG1 X40\nM0\nG1 X60\nG40\nM30\n");
+  REQUIRE(macro.rig.becomes(State::program_stop));
+  REQUIRE(macro.rig.stop());
+  REQUIRE(macro.run("G1 X100 Y100 F6000"));
+  CHECK(macro.rig.position()[Axis::X] == Approx(100.0));
+  CHECK(macro.rig.position()[Axis::Y] == Approx(100.0));
 }
