@@ -61,7 +61,7 @@ struct MacroRig {
         return answer->has_value() || rig.state() == State::question ||
                rig.state() == State::program_stop || rig.state() == State::tool_change;
       };
-      REQUIRE(rig.becomes(asks, 300.0));
+      REQUIRE(rig.becomes_with_disk(asks, 300.0));
       if (answer->has_value()) break;
       rig.simulation.cycle();
       if (rig.state() == State::question) {

@@ -1,8 +1,10 @@
 #include "tests/server/rig.h"
 
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <optional>
 #include <stdexcept>
+#include <thread>
 #include <utility>
 
 #include "config/ini_file.h"
@@ -44,6 +46,16 @@ bool Rig::becomes(const std::function<bool()>& condition, double seconds) {
   return condition();
 }
 
+bool Rig::becomes_with_disk(const std::function<bool()>& condition, double seconds) {
+  if (becomes(condition, seconds)) return true;
+  constexpr int kLongest = 20'000;  // ms
+  for (int waited = 0; waited < kLongest && !condition(); ++waited) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    simulation.cycle();
+  }
+  return condition();
+}
+
 bool Rig::becomes(State state, double seconds) {
   return becomes([this, state] { return machine.state() == state; }, seconds);
 }
@@ -51,7 +63,7 @@ bool Rig::becomes(State state, double seconds) {
 Result<void> Rig::complete(const std::function<void(Completion)>& command, double seconds) {
   auto answer = std::make_shared<std::optional<Result<void>>>();
   command([answer](Result<void> result) { *answer = std::move(result); });
-  if (!becomes([&] { return answer->has_value(); }, seconds))
+  if (!becomes_with_disk([&] { return answer->has_value(); }, seconds))
     throw std::runtime_error("the command did not answer in time");
   // What the command has brought about is published by the cycle that is under way.
   simulation.cycle();

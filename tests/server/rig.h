@@ -32,6 +32,10 @@ class Rig {
   [[nodiscard]] bool becomes(State state, double seconds = 60.0);
   [[nodiscard]] bool becomes(const std::function<bool()>& condition, double seconds = 60.0);
 
+  /// becomes() for what also waits for the disk, which knows no virtual time.
+  [[nodiscard]] bool becomes_with_disk(const std::function<bool()>& condition,
+                                       double seconds = 60.0);
+
   /// Gives a command that answers through a completion and cycles until it does.
   Result<void> complete(const std::function<void(Completion)>& command, double seconds = 120.0);
   Result<void> reset();
