@@ -109,8 +109,8 @@ ExitCode check_command(const CheckOptions& options) {
   }
 
   const interp::CheckReport report =
-      interp::check(*program, interpreter_settings(data->config), data->parameters, data->tools,
-                    Position{}, check_options);
+      interp::check(*program, interpreter_settings(data->config, data->macros), data->parameters,
+                    data->tools, Position{}, check_options);
   if (canon)
     if (auto finished = canon->finish(); !finished) return refuse(finished.error());
   if (options.json)

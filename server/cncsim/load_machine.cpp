@@ -41,6 +41,18 @@ std::expected<MachineData, config::Errors> load_machine(const SimInput& input) {
   else
     errors.push_back(tools.error());
 
+  if (input.macros.empty()) {
+    data.macros.push_back(
+        interp::Program::from_text(std::string(shipped_macros()), "macro.cnc").value());
+  }
+  for (const auto& path : input.macros) {
+    auto macros = interp::Program::open(path);
+    if (macros)
+      data.macros.push_back(std::move(*macros));
+    else
+      errors.push_back(macros.error());
+  }
+
   if (!errors.empty()) return std::unexpected(std::move(errors));
   return data;
 }

@@ -15,6 +15,8 @@ void add_common(CLI::App& command, cnc::server::SimInput& input) {
       "--parameters", input.parameters,
       "Parameter file with work offsets; default: the shipped one (G54 at 100 100 -90)");
   command.add_option("--tools", input.tools, "Tool table; default: the shipped one");
+  command.add_option("--macros", input.macros,
+                     "Macro files, the system's first; default: the shipped macro.cnc");
   command.add_option("--set", input.settings,
                      "Overrides a setting: SECTION.key=value; may be repeated");
   command.add_flag("--json", input.json, "Report as JSON");
@@ -36,7 +38,9 @@ int main(int argc, char** argv) {
   RunOptions run_options;
   CLI::App* run = app.add_subcommand(
       "run", "Runs a program through interpreter, planner, segments, board and machine");
-  run->footer("The machine starts homed at machine zero. Prompts (M0, M6) are answered \"go on\".");
+  run->footer(
+      "The machine starts homed at machine zero. Prompts (M0, M6) are answered \"go on\", "
+      "questions (dlgmsg) \"OK\" with the values that they propose.");
   add_common(*run, run_options);
   run->add_option("--record", run_options.record,
                   "CSV of the commanded trajectory, one row per millisecond: t,x,y,z,a,b,c,f,line "

@@ -13,9 +13,10 @@ namespace cnc::server {
 
 struct SimInput {
   std::filesystem::path file;
-  std::filesystem::path config;      ///< empty: the shipped cnc.ini
-  std::filesystem::path parameters;  ///< empty: the shipped parameters (G54 …)
-  std::filesystem::path tools;       ///< empty: the shipped tools
+  std::filesystem::path config;               ///< empty: the shipped cnc.ini
+  std::filesystem::path parameters;           ///< empty: the shipped parameters (G54 …)
+  std::filesystem::path tools;                ///< empty: the shipped tools
+  std::vector<std::filesystem::path> macros;  ///< empty: the shipped macro.cnc
   std::vector<std::string> settings;
   bool json = false;
 };

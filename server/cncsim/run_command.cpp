@@ -5,6 +5,7 @@
 #include "server/cncsim/options.h"
 #include "server/cncsim/trajectory.h"
 #include "server/simulation/simulation.h"
+#include "server/simulation/virtual_bench.h"
 
 namespace cnc::server {
 namespace {
@@ -12,14 +13,27 @@ namespace {
 /// Virtual time between two cycles: long, because nothing here asks for a quick answer.
 constexpr double kCycle = 0.02;
 
-/// Prompts are answered "go on".
+/// Prompts are answered "go on", questions "OK" with the values that they propose.
 void run_job(Simulation& simulation) {
   Machine& machine = simulation.machine();
-  do {
+  for (;;) {
     simulation.cycle();
-    if (machine.state() == State::tool_change || machine.state() == State::program_stop)
-      static_cast<void>(machine.resume());
-  } while (machine.state() == State::running);
+    switch (machine.state()) {
+      case State::tool_change:
+      case State::program_stop:
+        static_cast<void>(machine.resume());
+        break;
+      case State::question:
+        simulation.cycle();  // publishes the question
+        static_cast<void>(machine.answer(machine.snapshots().newest()->question->number, true, {}));
+        break;
+      case State::running:
+      case State::homing:  // by the job
+        break;
+      default:
+        return;
+    }
+  }
 }
 
 struct Report {
@@ -112,12 +126,18 @@ ExitCode run_command(const RunOptions& options) {
     recorder.emplace(std::move(*created));
   }
 
-  Simulation simulation(std::move(*data), {.machine = {.start = Position{}}, .period = kCycle});
+  const hal::sim::TouchOptions touch = virtual_bench(data->config);
+  Simulation simulation(std::move(*data),
+                        {.machine = {.start = Position{}, .touch = touch}, .period = kCycle});
   Machine& machine = simulation.machine();
   TrajectoryStatistics statistics{Position{}};
   machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) {
     statistics.add(setpoint);
     if (recorder) recorder->add(setpoint);
+  });
+  machine.set_restart_listener([&](const Position& position) {
+    statistics.restart(position);
+    if (recorder) recorder->restart(position);
   });
 
   simulation.cycle_until(State::needs_reset);

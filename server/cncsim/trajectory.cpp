@@ -60,6 +60,16 @@ void TrajectoryStatistics::add(const motion::Setpoint& setpoint) {
   velocity_ = setpoint.velocity;
 }
 
+void TrajectoryStatistics::restart(const Position& position) {
+  position_ = position;
+  velocity_ = {};
+}
+
+void TrajectoryRecorder::restart(const Position& position) {
+  position_ = position;
+  velocity_ = {};
+}
+
 Result<TrajectoryRecorder> TrajectoryRecorder::create(const std::filesystem::path& path,
                                                       const Position& start) {
   std::FILE* file = std::fopen(path.c_str(), "w");

@@ -24,6 +24,8 @@ class TrajectoryStatistics {
  public:
   explicit TrajectoryStatistics(const Position& start);
   void add(const motion::Setpoint& setpoint);
+  /// The machine stands elsewhere than where the last setpoint led: a probe move ended by itself.
+  void restart(const Position& position);
   [[nodiscard]] const TrajectorySummary& summary() const { return summary_; }
 
  private:
@@ -39,6 +41,8 @@ class TrajectoryRecorder {
   [[nodiscard]] static Result<TrajectoryRecorder> create(const std::filesystem::path& path,
                                                          const Position& start);
   void add(const motion::Setpoint& setpoint);
+  /// As TrajectoryStatistics::restart(): the rows jump there.
+  void restart(const Position& position);
   /// Writes the last row, the end of the motion. Fails when the disk did not take everything.
   [[nodiscard]] Result<void> finish();
 

@@ -15,6 +15,7 @@
 #include "server/daemon/link_thread.h"
 #include "server/daemon/task_thread.h"
 #include "server/rpc/grpc_server.h"
+#include "server/simulation/virtual_bench.h"
 #include "server/version.h"
 
 namespace cnc::server {
@@ -90,7 +91,8 @@ int serve(const Options& options) {
     return EXIT_FAILURE;
   }
 
-  auto controller = hal::sim::make_virtual_controller(data->config);
+  auto controller = hal::sim::make_virtual_controller(
+      data->config, {.machine = {.touch = virtual_bench(data->config)}});
   auto& virtual_machine = controller->machine();
   if (auto connected = controller->connect(); !connected) return report(connected.error());
 

@@ -32,6 +32,7 @@ Machine::Machine(MachineData data, Link& link, MessageLog& log)
       homing_(data_.config, feed_),
       jog_(data_.config, feed_),
       saver_({data_.parameter_file, data_.tool_file}, log_) {
+  if (!data_.macros.empty()) use_macros(data_.macros);
   load_macros();
   job_.set_head_keeper([this](const interp::StoreHeadOffset& store) { return keep_head(store); });
 }
@@ -193,6 +194,10 @@ void Machine::load_macros() {
     if (!program) return log_.add(program.error());
     macros.push_back(std::move(*program));
   }
+  use_macros(std::move(macros));
+}
+
+void Machine::use_macros(interp::Library macros) {
   macros_ = std::move(macros);
   interpreter_.set_library(macros_);
   const auto& warnings = interpreter_.library_warnings();

@@ -43,6 +43,7 @@ struct MachineData {
   std::filesystem::path config_file;     ///< empty: measured head offsets are not saved
   std::filesystem::path program_folder;  ///< what programs write goes here; empty: nowhere
   std::vector<std::filesystem::path> macro_files;  ///< macro.cnc, then user_macro.cnc
+  interp::Library macros;                          ///< instead of files
   bool analyse_jobs = true;  ///< check and predict a loaded job in the background
 };
 
@@ -95,6 +96,10 @@ class Machine {
   [[nodiscard]] std::shared_ptr<const JobFindings> findings() const;
   /// Thread-safe.
   [[nodiscard]] const SnapshotBoard& snapshots() const { return snapshots_; }
+  /// Where the machine stands when that is not where the last setpoint led.
+  void set_restart_listener(std::function<void(const Position&)> listener) {
+    feed_.set_restart_listener(std::move(listener));
+  }
   /// Every setpoint that leaves, for recorders.
   void set_setpoint_listener(std::function<void(const motion::Setpoint&)> listener) {
     feed_.set_listener(std::move(listener));
@@ -115,6 +120,7 @@ class Machine {
   [[nodiscard]] Result<void> check_clamp(Axis axis) const;
   void watch_home_switches();
   void load_macros();
+  void use_macros(interp::Library macros);
   Result<void> keep_head(const interp::StoreHeadOffset& store);
   [[nodiscard]] std::optional<std::string> homing_subs(const std::vector<Axis>& axes,
                                                        bool all) const;

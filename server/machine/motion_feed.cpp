@@ -115,6 +115,7 @@ void MotionFeed::quick_stop() {
 void MotionFeed::accept_board_position() {
   commanded_ = status_.board.position;
   check_.restart(commanded_);
+  if (restart_listener_) restart_listener_(commanded_);
   // What was under way and did not come to its end is over now; the next segment starts at rest.
   Sent& executing = history_[status_.board.executing_id % kHistory];
   if (executing.id == status_.board.executing_id) {
@@ -135,6 +136,7 @@ void MotionFeed::set_position(Axis axis, double position) {
   link_.push(item);
   commanded_[axis] = position;
   check_.restart(commanded_);
+  if (restart_listener_) restart_listener_(commanded_);
 }
 
 }  // namespace cnc::server

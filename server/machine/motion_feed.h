@@ -58,6 +58,10 @@ class MotionFeed {
   void set_listener(std::function<void(const motion::Setpoint&)> listener) {
     listener_ = std::move(listener);
   }
+  /// Is called when the commanded position becomes another than the last setpoint's.
+  void set_restart_listener(std::function<void(const Position&)> listener) {
+    restart_listener_ = std::move(listener);
+  }
   /// Pulses stop at once; when the board stands, what it counted becomes the commanded position.
   void quick_stop();
   /// After a stop that was not planned: take the board's position as the commanded one.
@@ -86,6 +90,7 @@ class MotionFeed {
   const config::MachineConfig& config_;
   motion::SetpointCheck check_;
   std::function<void(const motion::Setpoint&)> listener_;
+  std::function<void(const Position&)> restart_listener_;
   LinkStatus status_;
   std::array<Sent, kHistory> history_{};
   std::uint32_t last_id_ = 0;

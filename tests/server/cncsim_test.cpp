@@ -282,3 +282,24 @@ TEST_CASE("A name in another encoding does not spoil the JSON report", "[LNG-10]
   CHECK(outcome.exit_code == kJobFailed);
   CHECK(json::parse(outcome.out)["good"] == false);
 }
+
+TEST_CASE("cncsim runs jobs that probe, ask and use the macro file", "[LNG-4][LNG-6][GCO-8]") {
+  const ProgramFile program(
+      "G53 G0 X300 Y200\n"  // above the stock of the simulated machine
+      "G53 G38.2 Z-140 F300\n"
+      "msg \"touched \"#5067\" at \"#5053\n"
+      "#1 = 7\n"
+      "dlgmsg \"How far?\" \"X\" 1\n"
+      "msg \"answer \"#5398\" \"#1\n"
+      "gosub user_3\n"
+      "G53 G0 Z0\n"
+      "home z\n"
+      "M30\n");
+  const json report = run_json(program.path());
+  check_within_limits(report);
+  const std::string messages = report["messages"].dump();
+  CHECK_THAT(messages, Contains("touched 1 at -86"));
+  CHECK_THAT(messages, Contains("answer 1 7"));
+  CHECK_THAT(messages, Contains("user_3 is free"));
+  CHECK_THAT(messages, Contains("Axis Z is homed"));
+}
