@@ -1,4 +1,8 @@
 // What an answer changes: position, results in parameters, values that the operator typed.
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
 #include "interpreter/execution.h"
 #include "interpreter/parameter_access.h"
 
@@ -12,6 +16,31 @@ constexpr std::int32_t kProbeTripped = 5067;
 constexpr std::int32_t kProbeJointPosition = 5081;
 constexpr std::int32_t kDialogResult = 5398;
 constexpr std::int32_t kInputResult = 5399;
+
+/// Far beyond what words can add up to, far below where sums become infinite.
+constexpr double kMaxAnswer = 1e15;
+
+[[nodiscard]] bool is_possible(double value) {
+  return std::abs(value) <= kMaxAnswer;  // false for NaN
+}
+
+[[nodiscard]] bool is_possible(const Position& position) {
+  return std::ranges::all_of(kAllAxes, [&](Axis axis) { return is_possible(position[axis]); });
+}
+
+[[nodiscard]] bool is_possible(const Answer& answer) {
+  return is_possible(answer.position) && is_possible(answer.probe_position) &&
+         is_possible(answer.input) && is_possible(answer.live.hand_wheel) &&
+         is_possible(answer.live.spindle_speed);
+}
+
+/// Screens give back what they showed, a few digits short. What only the machine writes may stand
+/// in a dialog to be seen.
+[[nodiscard]] bool is_only_shown(const DialogField& field, double typed) {
+  constexpr double kAsShown = 1e-4;
+  return std::abs(typed - field.value) <= kAsShown &&
+         !ParameterAccess::check_writable(field.parameter, {});
+}
 
 }  // namespace
 
@@ -30,18 +59,29 @@ void Execution::take(const Answer& answer, const CommandBody& command) {
     parameters_.set(kDialogResult, answer.confirmed ? 1.0 : -1.0);
     const std::vector<DialogField>& fields = ask->dialog->fields;
     for (std::size_t i = 0; answer.confirmed && i < fields.size() && i < answer.values.size(); ++i)
-      set_now(fields[i].parameter, answer.values[i]);
+      if (!is_only_shown(fields[i], answer.values[i]))
+        set_now(fields[i].parameter, answer.values[i]);
   }
 }
 
 Accepted Execution::check(const Answer& answer, const CommandBody& command) const {
+  if (!is_possible(answer)) {
+    return refuse(ErrorCode::answer_impossible, {},
+                  "The machine answered with a number that it cannot have.");
+  }
   const auto* ask = std::get_if<AskOperator>(&command);
   if (ask == nullptr || !answer.confirmed) return {};
   const ParameterAccess access(settings_, parameters_, tools_, state_);
   const std::vector<DialogField>& fields = ask->dialog->fields;
   for (std::size_t i = 0; i < fields.size() && i < answer.values.size(); ++i) {
+    if (is_only_shown(fields[i], answer.values[i])) continue;
     Accepted possible = access.check({fields[i].parameter, answer.values[i], {}});
     if (!possible) return possible;
+    if (!std::isfinite(answer.values[i])) {
+      return refuse(ErrorCode::word_out_of_range, {},
+                    fmt::format("#{} cannot be {}.", fields[i].parameter, answer.values[i]),
+                    "A number.");
+    }
   }
   return {};
 }

@@ -5,6 +5,8 @@
 #include <fmt/format.h>
 #include <numbers>
 #include <set>
+#include <string>
+#include <tuple>
 #include <utility>
 
 #include "interpreter/arc_geometry.h"
@@ -140,7 +142,7 @@ class Checker {
   }
 
   void add_error(const Diagnostic& diagnostic) {
-    if (!seen_.insert({diagnostic.line, diagnostic.code}).second) return;
+    if (!seen_.insert({diagnostic.file, diagnostic.line, diagnostic.code}).second) return;
     report_.errors.push_back(diagnostic);
   }
 
@@ -168,7 +170,7 @@ class Checker {
   std::string name_;
   Position position_;
   CheckReport report_;
-  std::set<std::pair<std::uint32_t, ErrorCode>> seen_;
+  std::set<std::tuple<std::string, std::uint32_t, ErrorCode>> seen_;
 };
 
 }  // namespace

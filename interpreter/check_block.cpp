@@ -24,11 +24,13 @@ constexpr std::int32_t kG80 = 800;
 
 [[nodiscard]] bool takes_axes(const Code& code) { return code.axes != AxisUse::none; }
 
-/// "G1 F300", "G0 G90 G17 G40": sets the mode beside other things. The manual wants axis words; CAM
-/// systems begin their programs with such lines.
+/// "G1 F300", "G0 G90 G17 G40" set the mode beside other things, with which CAM systems begin; and
+/// "G1" alone does, with which the delivered change_tool ends. The manual wants axis words.
 [[nodiscard]] bool only_sets_mode(const Block& block, const Code& motion) {
   const bool has_more = block.steps() != Block::step_bit(Step::motion);
-  return is_straight(motion.number) && has_more && !block.has(Step::machine_coordinates);
+  const bool stands_alone = block.words() == kNoWords;
+  return is_straight(motion.number) && (has_more || stands_alone) &&
+         !block.has(Step::machine_coordinates);
 }
 
 /// A full circle needs no end point: "G2 I5".

@@ -40,6 +40,7 @@ Accepted parse_parenthesised(TextCursor& cursor, Line& line) {
                   "A comment within a comment: it is not clear where the outer one ends.",
                   "No \"(\" inside of a comment with code behind it.");
   }
+  if (nested) line.block.note(Habit::nested_comment, cursor.span_from(begin));
   set_comment(rest.substr(1, end - 1), line);
   return {};
 }

@@ -56,6 +56,8 @@ const Dialect& dialect(DialectId id) {
        .max_m_codes = 4,
        .ignores_unknown_g = false,
        .short_radius_is_half_circle = false,
+       .radius_is_positive = false,
+       .circle_needs_end = true,
        .needs_end = false},
       {.name = "pscnc",
        .g_codes = kPscncG,
@@ -65,6 +67,8 @@ const Dialect& dialect(DialectId id) {
        .max_m_codes = 1,
        .ignores_unknown_g = true,
        .short_radius_is_half_circle = true,
+       .radius_is_positive = true,
+       .circle_needs_end = false,
        .needs_end = true},
   }};
   return kDialects.at(static_cast<std::size_t>(id));

@@ -23,6 +23,8 @@ struct Dialect {
   std::uint8_t max_m_codes;          ///< on a line
   bool ignores_unknown_g;            ///< with a warning
   bool short_radius_is_half_circle;  ///< R below half the distance: 180 degrees instead of an error
+  bool radius_is_positive;           ///< no negative R for arcs above 180 degrees
+  bool circle_needs_end;             ///< "G2 I5": a full circle, with a warning
   bool needs_end;                    ///< the last line of a program is M0 or M30
 };
 

@@ -173,10 +173,6 @@ double Execution::parameter(std::int32_t number) const {
   return ParameterAccess(settings_, parameters_, tools_, state_).get(number);
 }
 
-Accepted Execution::check_parameter_writable(std::int32_t number, Span span) const {
-  return ParameterAccess::check_writable(number, span);
-}
-
 void Execution::set_now(std::int32_t number, double value) {
   ParameterAccess(settings_, parameters_, tools_, state_).set(number, value);
 }

@@ -72,7 +72,6 @@ class Execution {
   void ask(Dialog dialog);
   /// A parameter as the program sees it.
   [[nodiscard]] double parameter(std::int32_t number) const;
-  [[nodiscard]] Accepted check_parameter_writable(std::int32_t number, Span span) const;
   /// Writes a parameter at once, in the program's unit.
   void set_now(std::int32_t number, double value);
   [[nodiscard]] const config::ParameterStore& parameters() const { return parameters_; }

@@ -98,9 +98,10 @@ class Interpreter {
 
   [[nodiscard]] Progress next();
   [[nodiscard]] const Command& command() const;
-  /// While next() says `waiting`: what became of command(). Ignored at any other time.
+  /// While next() says `waiting`: what became of command(). Ignored at any other time. What
+  /// refusal_of() refuses fails the program.
   void answer(const Answer& answer);
-  /// Why answer() cannot take it: a value that its parameter cannot have.
+  /// Why answer() cannot take it: a value that its parameter cannot have, a position that is none.
   [[nodiscard]] std::optional<Error> refusal_of(const Answer& answer) const;
   /// The answer to command() if everything goes as programmed.
   [[nodiscard]] Answer expected_answer() const;

@@ -122,7 +122,7 @@ struct ScaleAxis {
 
 // --- language extensions -------------------------------------------------------------------------
 
-/// A value that dlgmsg asks for.
+/// A value that dlgmsg asks for, or only shows, where the machine alone writes it.
 struct DialogField {
   std::string_view label;
   std::int32_t parameter = 0;

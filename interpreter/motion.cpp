@@ -48,10 +48,14 @@ Accepted check_arc_words(Execution& x, const CentreWords& centre, const PlaneAxe
     return refuse(ErrorCode::arc_format_mixed, block.span_of('R'),
                   "This arc has both a radius and a centre.", "R, or I J K.");
   }
-  if (block.has('R') && !block.has(axes.first) && !block.has(axes.second)) {
+  const bool has_end = block.has(axes.first) || block.has(axes.second);
+  if (block.has('R') && !has_end) {
     return refuse(ErrorCode::axis_words_missing, x.code_span(),
                   fmt::format("{} with R needs an end point in its plane.", x.code_name()),
                   fmt::format("{} or {}.", axis_name(axes.first), axis_name(axes.second)));
+  }
+  if (has_centre && !has_end && dialect(x.settings().dialect).circle_needs_end) {
+    return x.tolerate(Habit::circle_without_end, x.code_span());
   }
   if (has_centre || block.has('R')) return {};
   return refuse(ErrorCode::arc_centre_missing, x.code_span(),
@@ -96,11 +100,16 @@ Parsed<PlanePoint> arc_centre(const Execution& x, const PlaneAxes& axes, const C
   if (x.block().has('R')) {
     const double radius =
         x.block().value('R') * state.scale() * state.coordinates.transform().x_factor();
-    const bool half_circle = dialect(x.settings().dialect).short_radius_is_half_circle;
+    const Dialect& rules = dialect(x.settings().dialect);
     const Span span = x.block().span_of('R');
+    if (radius < 0.0 && rules.radius_is_positive) {
+      return refuse(ErrorCode::word_out_of_range, span, "R cannot be negative in this dialect.",
+                    "R above 0; arcs above 180 degrees with I J K.");
+    }
     if (comp.awaits_entry()) return entry_arc_centre(comp, end, radius, clockwise, span);
-    return centre_of_radius(start, end, radius, clockwise, unit,
-                            half_circle ? ShortRadius::half_circle : ShortRadius::refused, span);
+    return centre_of_radius(
+        start, end, radius, clockwise, unit,
+        rules.short_radius_is_half_circle ? ShortRadius::half_circle : ShortRadius::refused, span);
   }
   const auto centre = centre_from_words(x, words, axes, start);
   if (!centre) return centre;

@@ -79,6 +79,7 @@ void Runner::stop() {
   fails_after_commands_.reset();
   failed_ = false;
   ran_off_end_ = false;
+  end_was_missed_ = false;
   lines_run_ = 0;
   habits_seen_.reset();
   warnings_.clear();
@@ -139,6 +140,11 @@ const Command& Runner::command() const {
 
 void Runner::answer(const Answer& answer) {
   if (!std::exchange(waits_, false)) return;
+  if (Accepted possible = execution_.check(answer, command().body); !possible) {
+    // Going on would mean moving from where nobody knows, or with values that nobody gave.
+    fails_after_commands_ = std::move(possible.error());
+    return;
+  }
   execution_.take(answer, command().body);
   if (std::holds_alternative<Synchronise>(command().body)) access_.set_live(true);
 }
@@ -184,9 +190,12 @@ Accepted Runner::run_rest_of_line() {
 }
 
 // The end of the file ends a program without resetting modes: a line typed by the operator is a
-// program too, and must not switch off the spindle.
+// program too, and must not switch off the spindle. A missing M30 is an error once, so that a
+// check, which goes on behind errors, comes to its end.
 Accepted Runner::end_at_end_of_file() {
-  if (dialect(settings_.dialect).needs_end && !single_line_ && !execution_.stopped_last()) {
+  const bool misses_end =
+      dialect(settings_.dialect).needs_end && !single_line_ && !execution_.stopped_last();
+  if (misses_end && !std::exchange(end_was_missed_, true)) {
     line_text_ = {};
     return refuse(ErrorCode::no_program_end, {0, 1}, "The program does not end with M00 or M30.",
                   "M00 or M30 on the last line.");

@@ -137,6 +137,7 @@ class Runner {
   std::optional<Refusal> fails_after_commands_;
   bool failed_ = false;
   bool ran_off_end_ = false;
+  bool end_was_missed_ = false;  ///< said once that M00 or M30 is missing
   std::uint64_t lines_run_ = 0;
   Diagnostic diagnostic_;
   std::bitset<32> habits_seen_;

@@ -90,9 +90,6 @@ Accepted ask_operator(Execution& x, Arguments arguments) {
   for (std::size_t i = 1; i < arguments.size(); i += 2) {
     const auto number = parameter_number(arguments[i + 1].value, arguments[i + 1].span);
     if (!number) return std::unexpected(number.error());
-    if (Accepted allowed = x.check_parameter_writable(*number, arguments[i + 1].span); !allowed) {
-      return allowed;
-    }
     dialog.fields.push_back({arguments[i].text, *number, x.parameter(*number)});
   }
   x.ask(std::move(dialog));

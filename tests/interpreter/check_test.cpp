@@ -27,6 +27,16 @@ TEST_CASE("A check lists every wrong line and goes on behind it", "[JOB-2][LNG-1
   CHECK(report.line_count == 6);
 }
 
+TEST_CASE("A check in a dialect that wants M30 comes to its end without one", "[JOB-2][LNG-11]") {
+  InterpreterSettings settings;
+  settings.dialect = DialectId::pscnc;
+  const auto program = Program::from_text("G00 X1\nM77\n", "part.ngc").value();
+  const CheckReport report = check(program, settings, {}, {}, {});
+  REQUIRE(report.errors.size() == 2);
+  CHECK(report.errors[1].code == ErrorCode::no_program_end);
+  CHECK(report.complete);
+}
+
 TEST_CASE("A wrong line in a loop is listed once, and the list is bounded", "[JOB-2]") {
   CHECK(check_text("while [#1 < 50]\nG77\n#1=[#1+1]\nendwhile\nM30\n").errors.size() == 1);
   std::string text;

@@ -1,10 +1,11 @@
-// Programs that other people wrote: those that need nothing but lines, arcs, feeds, offsets and
-// plain M codes run to their end, and those that are wrong, or use what this interpreter does not
-// know, are refused on the right line. Skipped where the corpus is not at hand.
+// Programs that other people wrote, beside what other interpreters made of them: the same geometry.
+// Skipped where the corpus is not at hand; corpus_program_test.cpp has a row for every program.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
+#include <numbers>
 #include <sstream>
 
 #include "interpreter/arc_geometry.h"
@@ -84,78 +85,7 @@ config::ToolTable tools_with(std::int32_t number, double inches) {
   return tools;
 }
 
-struct Refused {
-  const char* file;
-  std::uint32_t line;
-  ErrorCode code;
-};
-
 }  // namespace
-
-TEST_CASE("Real programs run to their end", "[GCO-2][LNG-11]") {
-  if (corpus_missing()) return;
-  const auto name = GENERATE(
-      as<std::string>{},  //
-      "nist--c1_hello_world.ngc", "nist--c2_expressions.ngc",
-      "linuxcnc--good-arc.medium.metric.ngc", "linuxcnc--Pasta.ngc", "linuxcnc--blur_torus.ngc",
-      "linuxcnc--tort.ngc", "linuxcnc--wheels.ngc", "linuxcnc--zigzag_0.002_0.0005.ngc",
-      "nraynaud--tux.ngc", "pcb2gcode--back.ngc", "CauldronDevelopmentLLC--botomata_bottom.nc",
-      "CauldronDevelopmentLLC--flower_mold.nc", "CauldronDevelopmentLLC--tiger.nc",
-      "SergeyPopovGit--ScalePanel.nc", "Sienci-Labs--FourAxisSurface_finishPass.nc",
-      "bdring--arcs_arrows.nc", "winder--communicator.nc", "synthetos--FordEmblem.gcode",
-      "winder--arc_rword_test.gcode", "winder--no_spaces.gcode", "fragmuffin--Skull2.tap",
-      "linuxcnc--g17-g98-g81.ngc", "pcb2gcode--drill.ngc", "MaestroFusion360--G83.NC");
-  INFO(name);
-  const CheckReport report = check_file(name);
-  for (const Diagnostic& error : report.errors) UNSCOPED_INFO(error.to_string());
-  CHECK(report.ok());
-}
-
-TEST_CASE("Wrong and unknown programs are refused on the right line", "[LNG-10]") {
-  if (corpus_missing()) return;
-  const auto row = GENERATE(values<Refused>({
-      {"linuxcnc--bad-arc.medium.metric.ngc", 6, ErrorCode::arc_radius_mismatch},
-      {"linuxcnc--bad-no-feed-rate.ngc", 2, ErrorCode::feed_not_set},
-      {"linuxcnc--bad-ccomp-gouging.ngc", 6, ErrorCode::compensation_inside_corner},
-      {"fragmuffin--DB25.tap", 15, ErrorCode::word_out_of_range},  // G41 D1.5: no tool
-      {"linuxcnc--daisy.ngc", 3, ErrorCode::o_word},
-      {"linuxcnc--polar.ngc", 10, ErrorCode::unexpected_character},
-      {"linuxcnc--3D_Chips.ngc", 8, ErrorCode::named_parameter},
-      {"CauldronDevelopmentLLC--genes-encoder.ngc", 22, ErrorCode::o_word},
-      {"CauldronDevelopmentLLC--heart.ngc", 3, ErrorCode::named_parameter},
-      {"Sienci-Labs--jsdc_with_error.gcode", 123, ErrorCode::axis_words_missing},
-      {"Sienci-Labs--SheepTile-v2.nc", 14, ErrorCode::feed_not_set},
-      {"Paciente8159--expressions.nc", 5, ErrorCode::unexpected_character},
-      {"kliment--PCB-milling-and-_comment_.gcode", 8, ErrorCode::word_missing},
-      // Centre and end of this arc do not fit: 29 mm against 27.6 mm.
-      {"cncjs--Circle_Diamond_Square_Calibration.gcode", 624, ErrorCode::arc_radius_mismatch},
-      // The full circles run; "X.75" behind G2 has no centre.
-      {"cncjs--full-circle-without-xyz.gcode", 11, ErrorCode::arc_centre_missing},
-      {"joewalnes--15mm_cube.gcode", 2, ErrorCode::axis_words_missing},
-  }));
-  INFO(row.file);
-  const CheckReport report = check_file(row.file);
-  REQUIRE_FALSE(report.errors.empty());
-  CHECK(report.errors[0].line == row.line);
-  CHECK(report.errors[0].code == row.code);
-}
-
-TEST_CASE("Compensated programs of other people run with their tools", "[GCO-4]") {
-  if (corpus_missing()) return;
-  struct Row {
-    const char* file;
-    std::int32_t tool;
-    double inches;
-  };
-  const auto row = GENERATE(values<Row>({
-      {"linuxcnc--comp.ngc", 1, 0.25},
-      {"cncjs--helical-thread-milling.gcode", 8, 0.15},
-  }));
-  INFO(row.file);
-  const CheckReport report = check_file(row.file, {}, tools_with(row.tool, row.inches));
-  for (const Diagnostic& error : report.errors) UNSCOPED_INFO(error.to_string());
-  CHECK(report.ok());
-}
 
 TEST_CASE("The compensated contours of a Haas program fit their tools", "[GCO-4]") {
   if (corpus_missing()) return;
@@ -251,6 +181,81 @@ TEST_CASE("G81 goes where LinuxCNC's expected moves go", "[GCO-3]") {
     CHECK(strokes[i].rapid == expected[i].rapid);
     CHECK(linear_length(strokes[i].end - expected[i].end) < 1e-9);
   }
+}
+
+namespace {
+
+/// The first three numbers behind the parenthesis: "(1, 2, 3" or "(" X1 Y2 Z3".
+Position three_numbers(const std::string& line) {
+  std::string numbers = line.substr(line.find('('));
+  const auto is_no_digit = [](char c) {
+    return std::string_view("-.0123456789").find(c) == std::string_view::npos;
+  };
+  std::replace_if(numbers.begin(), numbers.end(), is_no_digit, ' ');
+  std::istringstream text(numbers);
+  Position point;
+  REQUIRE(text >> point[Axis::X] >> point[Axis::Y] >> point[Axis::Z]);
+  return point;
+}
+
+/// What a "(debug, X#5420 …)" shows, and under which offset and rotation of the XY plane.
+struct Shown {
+  Position work;
+  Position g92;
+  double degrees = 0.0;
+};
+
+std::vector<Shown> expected_positions(const std::string& text) {
+  std::vector<Shown> shown;
+  Shown now;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.find("SET_G92_OFFSET") != line.npos) now.g92 = three_numbers(line);
+    const std::size_t rotation = line.find("SET_XY_ROTATION(");
+    if (rotation != line.npos) now.degrees = std::stod(line.substr(line.find('(') + 1));
+    if (line.find("MESSAGE") == line.npos) continue;
+    now.work = three_numbers(line);
+    shown.push_back(now);
+  }
+  return shown;
+}
+
+/// The program in this language: no rotation by G10 R, and msg in place of (debug, …).
+std::string without_rotation(const std::string& text) {
+  std::string result;
+  std::istringstream lines(text);
+  for (std::string line; std::getline(lines, line);) {
+    if (line.starts_with("g10")) line.resize(line.find(" r"));
+    if (line.starts_with("(debug")) line = R"(msg " X"#5001" Y"#5002" Z"#5003)";
+    result += line + "\n";
+  }
+  return result;
+}
+
+}  // namespace
+
+TEST_CASE("Nine work systems and G92 add up as in LinuxCNC, its rotation taken away", "[CRD-1]") {
+  if (corpus_missing()) return;
+  const std::string name = kCorpus + "linuxcnc--g10-with-g92";
+  const auto expected = expected_positions(read_file(name + ".expected.txt"));
+  REQUIRE(expected.size() == 18);
+  const Outcome outcome = run(without_rotation(read_file(name + ".ngc")));
+  REQUIRE(refusal_of(outcome).empty());
+  std::size_t compared = 0;
+  for (const std::string& line : outcome.lines) {
+    if (!line.starts_with("MESSAGE")) continue;
+    const Shown& there = expected.at(compared++);
+    INFO("position " << compared);
+    const Position here = three_numbers(line) + there.g92;
+    // From the origin of the system, turned back by its rotation.
+    const double angle = -there.degrees * std::numbers::pi / 180.0;
+    const double x = here[Axis::X] * std::cos(angle) - here[Axis::Y] * std::sin(angle);
+    const double y = here[Axis::X] * std::sin(angle) + here[Axis::Y] * std::cos(angle);
+    CHECK(x - there.g92[Axis::X] == Approx(there.work[Axis::X]).margin(2e-6));
+    CHECK(y - there.g92[Axis::Y] == Approx(there.work[Axis::Y]).margin(2e-6));
+    CHECK(here[Axis::Z] - there.g92[Axis::Z] == Approx(there.work[Axis::Z]).margin(2e-6));
+  }
+  CHECK(compared == expected.size());
 }
 
 TEST_CASE("The sample programs of the PSCNC manual run", "[LNG-11]") {

@@ -58,8 +58,8 @@ TEST_CASE("In inches the feed of a rotary move stays degrees", "[GCO-2][MOT-8]")
 
 TEST_CASE("Straight moves that are an error", "[GCO-2][LNG-10]") {
   const auto row = GENERATE(values<Row>({
-      {"G0 without axis words", "G0", "axis_words_missing@1"},
-      {"G1 without axis words", "F1\nG1", "axis_words_missing@1"},
+      {"G0 with other words, none of an axis", "G0 P1", "axis_words_missing@1"},
+      {"G1 with other words, none of an axis", "F1\nG1 L20", "axis_words_missing@1"},
       {"G1 without feed", "G1 X1", "feed_not_set@1"},
       {"modal G1 after G1 without feed", "G1 F1 X1\nG93 G1 X2 F1\nG94\nX3", "feed_not_set@1"},
       {"feed 0", "G1 X1 F0", "feed_not_set@1"},

@@ -12,6 +12,10 @@ namespace {
 struct ShortText {
   std::string operator()(const RapidMove& c) const { return "rapid" + point(c.end); }
   std::string operator()(const FeedMove& c) const { return "feed" + point(c.end); }
+  std::string operator()(const ArcMove& c) const {
+    return fmt::format("arc{} around {:g} {:g} {}", point(c.end), shown(c.first_centre),
+                       shown(c.second_centre), c.turns < 0 ? "cw" : "ccw");
+  }
   std::string operator()(const ProbeMove& c) const { return "probe" + point(c.end); }
   std::string operator()(const SyncMove& c) const {
     return fmt::format("thread{} by {:g}", point(c.end), c.pitch);
@@ -70,6 +74,7 @@ Outcome Bench::run(std::string_view text, std::size_t max_commands) {
   }
   Interpreter interpreter(settings, parameters, tools);
   outcome.library_warnings = interpreter.library_warnings();
+  interpreter.set_tool_in_spindle(tool_in_spindle);
   interpreter.start(*program, start, {.mode = mode});
   while (outcome.lines.size() < max_commands) {
     const Progress progress = interpreter.next();

@@ -30,6 +30,7 @@ struct Bench {
   config::ToolTable tools;
   Position start;
   RunMode mode = RunMode::run;
+  std::int32_t tool_in_spindle = 0;
   /// What the world says; as expected where this is empty.
   std::function<Answer(const Command&, Answer expected)> world;
 
@@ -46,8 +47,9 @@ Outcome run(std::string_view text);
 std::string commands_of(std::string_view text);
 /// The commands of an outcome, or its diagnostic; as commands_of().
 std::string text_of(const Outcome& outcome);
-/// What moves, in short, machine coordinates: "rapid 1 2 3; feed 1 2 0; thread 1 2 0 by 1.5;
-/// probe 1 2 0; dwell 1; spindle cw; orient; stop". The first error if there is one.
+/// What moves, in short, machine coordinates: "rapid 1 2 3; feed 1 2 0; arc 10 16 9 around 10 11 cw
+/// (the centre along the axes of the plane); thread 1 2 0 by 1.5; probe 1 2 0; dwell 1; spindle cw;
+/// orient; stop". The first error if there is one.
 std::string moves_of(std::string_view text);
 std::string moves_of(Bench& bench, std::string_view text);
 /// "name@column" of the refusal, or "" when the program runs.
