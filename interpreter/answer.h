@@ -17,6 +17,8 @@ struct LiveValues {
   double hand_wheel = 0.0;     ///< #5069, counts
   double spindle_speed = 0.0;  ///< #5070, measured, turns per second
   bool height_map = false;     ///< #5151
+
+  friend bool operator==(const LiveValues&, const LiveValues&) = default;
 };
 
 struct Answer {

@@ -10,6 +10,8 @@ namespace cnc::interp {
 struct PlanePoint {
   double first = 0.0;
   double second = 0.0;
+
+  friend constexpr bool operator==(const PlanePoint&, const PlanePoint&) = default;
 };
 [[nodiscard]] constexpr PlanePoint operator+(PlanePoint a, PlanePoint b) {
   return {a.first + b.first, a.second + b.second};

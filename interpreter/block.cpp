@@ -36,14 +36,25 @@ std::optional<std::int32_t> whole_number(double value) {
 }
 
 void Block::clear() {
-  words_ = 0;
-  steps_ = 0;
-  groups_ = 0;
-  m_codes_ = 0;
-  has_g_code_ = false;
-  habit_ = Habit::none;
-  unknown_m_.reset();
+  head_ = {};
   settings_.clear();
+}
+
+void Block::take_over(const Block& other) {
+  head_ = other.head_;
+  dialect_ = other.dialect_;
+  for (WordSet left = head_.words; left != 0; left &= left - 1) {
+    const auto letter = static_cast<std::size_t>(std::countr_zero(left));
+    values_[letter] = other.values_[letter];
+    word_spans_[letter] = other.word_spans_[letter];
+  }
+  for (StepSet left = head_.steps; left != 0; left &= left - 1) {
+    const auto step = static_cast<std::size_t>(std::countr_zero(left));
+    codes_[step] = other.codes_[step];
+    code_spans_[step] = other.code_spans_[step];
+  }
+  settings_ = other.settings_;
+  comment_ = other.comment_;
 }
 
 Accepted Block::add_word(char letter, double value, Span span) {
@@ -59,7 +70,7 @@ Accepted Block::add_word(char letter, double value, Span span) {
                   fmt::format("The word {} stands twice on this line.", letter),
                   "Each letter but G and M once per line.");
   }
-  words_ |= word_bit(letter);
+  head_.words |= word_bit(letter);
   values_[index(letter)] = value;
   word_spans_[index(letter)] = span;
   if (const Code* item = item_of_word(letter)) put_code(*item, span);
@@ -67,7 +78,7 @@ Accepted Block::add_word(char letter, double value, Span span) {
 }
 
 Accepted Block::add_g_code(double value, Span span) {
-  has_g_code_ = true;
+  head_.has_g_code = true;
   const auto number = whole_number(value * 10.0);
   const Code* code = number ? dialect_->find_g_code(*number) : nullptr;
   if (code != nullptr) return add_code(*code, span);
@@ -83,15 +94,15 @@ Accepted Block::add_g_code(double value, Span span) {
 Accepted Block::add_m_code(double value, Span span) {
   const auto number = whole_number(value);
   if (!number || *number < 0 || *number > kMaxMCode) return refuse_m_code(value, span);
-  if (m_codes_ == dialect_->max_m_codes) {
+  if (head_.m_codes == dialect_->max_m_codes) {
     return refuse(ErrorCode::too_many_m_codes, span,
                   fmt::format("M{} is one M code too many on this line.", *number),
                   fmt::format("At most {} per line.", dialect_->max_m_codes));
   }
-  m_numbers_[m_codes_++] = *number;
-  m_span_ = span;
+  head_.m_numbers[head_.m_codes++] = *number;
+  head_.m_span = span;
   if (const Code* code = dialect_->find_m_code(*number)) return add_code(*code, span);
-  unknown_m_ = number;
+  head_.unknown_m = number;
   return {};
 }
 
@@ -103,8 +114,8 @@ std::unexpected<Refusal> Block::refuse_m_code(double number, Span span) const {
 
 Accepted Block::add_code(const Code& code, Span span) {
   const GroupSet group = GroupSet{1} << static_cast<unsigned>(code.group);
-  if ((groups_ & group) != 0) return settle_conflict(code, span);
-  groups_ |= group;
+  if ((head_.groups & group) != 0) return settle_conflict(code, span);
+  head_.groups |= group;
   put_code(code, span);
   return {};
 }
@@ -127,7 +138,7 @@ Accepted Block::settle_conflict(const Code& code, Span span) {
 }
 
 const Code& Block::holder_of(Group group) const {
-  StepSet steps = steps_;
+  StepSet steps = head_.steps;
   while (codes_[static_cast<std::size_t>(std::countr_zero(steps))]->group != group) {
     steps &= steps - 1;  // the group's bit is set, so a code of it is there
   }
@@ -135,7 +146,7 @@ const Code& Block::holder_of(Group group) const {
 }
 
 void Block::put_code(const Code& code, Span span) {
-  steps_ |= step_bit(code.step);
+  head_.steps |= step_bit(code.step);
   codes_[index(code.step)] = &code;
   code_spans_[index(code.step)] = span;
 }

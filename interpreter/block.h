@@ -2,8 +2,8 @@
 // comment.
 //
 // Filled by the parser (constants) and by the expression code (everything else), checked as a whole
-// by check_block(), then executed in the order of its steps. Clearing a block is four stores: the
-// bit sets say which array elements mean anything.
+// by check_block(), then executed in the order of its steps. Clearing and copying a block touches
+// little of it: the bit sets say which array elements mean anything.
 #pragma once
 
 #include <array>
@@ -32,19 +32,21 @@ struct ParameterSetting {
 class Block {
  public:
   void clear();
+  /// Becomes `other`, copying only what that holds: a loop does this for every line.
+  void take_over(const Block& other);
 
   /// Each refuses what cannot stand on the line together with what is already there.
   Accepted add_word(char upper_letter, double value, Span span);
   void add_setting(const ParameterSetting& setting) { settings_.push_back(setting); }
   /// Remembers the first thing on the line that the manual does not allow.
   void note(Habit habit, Span span) {
-    if (habit_ == Habit::none) {
-      habit_ = habit;
-      habit_span_ = span;
+    if (head_.habit == Habit::none) {
+      head_.habit = habit;
+      head_.habit_span = span;
     }
   }
-  [[nodiscard]] Habit habit() const { return habit_; }
-  [[nodiscard]] Span habit_span() const { return habit_span_; }
+  [[nodiscard]] Habit habit() const { return head_.habit; }
+  [[nodiscard]] Span habit_span() const { return head_.habit_span; }
   /// The codes that words are looked up in.
   void set_dialect(const Dialect& dialect) { dialect_ = &dialect; }
 
@@ -55,10 +57,12 @@ class Block {
 
   /// The code that is executed at its step; replaces what was there. For implied motion.
   void put_code(const Code& code, Span span);
-  void drop_step(Step step) { steps_ &= ~step_bit(step); }
+  void drop_step(Step step) { head_.steps &= ~step_bit(step); }
 
-  [[nodiscard]] WordSet words() const { return words_; }
-  [[nodiscard]] bool has(char upper_letter) const { return (words_ & word_bit(upper_letter)) != 0; }
+  [[nodiscard]] WordSet words() const { return head_.words; }
+  [[nodiscard]] bool has(char upper_letter) const {
+    return (head_.words & word_bit(upper_letter)) != 0;
+  }
   [[nodiscard]] double value(char upper_letter) const { return values_[index(upper_letter)]; }
   [[nodiscard]] std::optional<double> find(char upper_letter) const;
   [[nodiscard]] Span span_of(char upper_letter) const { return word_spans_[index(upper_letter)]; }
@@ -67,8 +71,8 @@ class Block {
   [[nodiscard]] double value(Axis axis) const { return value(axis_name(axis)[0]); }
 
   /// Set of steps as bits, in the order of execution from bit 0 on.
-  [[nodiscard]] StepSet steps() const { return steps_; }
-  [[nodiscard]] bool has(Step step) const { return (steps_ & step_bit(step)) != 0; }
+  [[nodiscard]] StepSet steps() const { return head_.steps; }
+  [[nodiscard]] bool has(Step step) const { return (head_.steps & step_bit(step)) != 0; }
   [[nodiscard]] const Code& code(Step step) const { return *codes_[index(step)]; }
   [[nodiscard]] Span span_of(Step step) const { return code_spans_[index(step)]; }
 
@@ -78,14 +82,14 @@ class Block {
   static constexpr std::int32_t kMaxMCode = 999;
   /// M numbers in the order of the line; one of them may be unknown.
   [[nodiscard]] std::span<const std::int32_t> m_numbers() const {
-    return {m_numbers_.data(), m_codes_};
+    return {head_.m_numbers.data(), head_.m_codes};
   }
-  [[nodiscard]] Span m_span() const { return m_span_; }
-  [[nodiscard]] bool has_g_code() const { return has_g_code_; }
+  [[nodiscard]] Span m_span() const { return head_.m_span; }
+  [[nodiscard]] bool has_g_code() const { return head_.has_g_code; }
   /// The M number that is no code of the dialect, if any: only a sub can carry it out.
-  [[nodiscard]] std::optional<std::int32_t> unknown_m() const { return unknown_m_; }
+  [[nodiscard]] std::optional<std::int32_t> unknown_m() const { return head_.unknown_m; }
   [[nodiscard]] bool empty() const {
-    return steps_ == 0 && words_ == 0 && settings_.empty() && m_codes_ == 0;
+    return head_.steps == 0 && head_.words == 0 && settings_.empty() && head_.m_codes == 0;
   }
 
   [[nodiscard]] static constexpr StepSet step_bit(Step step) {
@@ -105,16 +109,21 @@ class Block {
   Accepted settle_conflict(const Code& code, Span span);
   [[nodiscard]] const Code& holder_of(Group group) const;
 
-  WordSet words_ = 0;
-  StepSet steps_ = 0;
-  GroupSet groups_ = 0;
-  std::uint8_t m_codes_ = 0;
-  bool has_g_code_ = false;
-  Habit habit_ = Habit::none;
-  Span habit_span_;
-  Span m_span_;  ///< of the last M
-  std::array<std::int32_t, kMaxMCodes> m_numbers_{};
-  std::optional<std::int32_t> unknown_m_;
+  /// Everything but the large arrays.
+  struct Head {
+    WordSet words = 0;
+    StepSet steps = 0;
+    GroupSet groups = 0;
+    std::uint8_t m_codes = 0;
+    bool has_g_code = false;
+    Habit habit = Habit::none;
+    Span habit_span;
+    Span m_span;  ///< of the last M
+    std::array<std::int32_t, kMaxMCodes> m_numbers{};
+    std::optional<std::int32_t> unknown_m;
+  };
+
+  Head head_;
   const Dialect* dialect_ = &dialect(DialectId::eding);
   std::array<double, kLetters> values_{};
   std::array<Span, kLetters> word_spans_{};

@@ -91,6 +91,8 @@ struct SetPathMode {
   std::optional<double> tolerance;       ///< P
   std::optional<double> simplification;  ///< Q
   std::optional<double> laf_angle;       ///< R
+
+  friend bool operator==(const SetPathMode&, const SetPathMode&) = default;
 };
 
 struct SelectPlane {
@@ -208,5 +210,7 @@ inline constexpr bool kWaitsForAnswer =
 /// The command in NIST names and argument order, six decimals, mm, machine coordinates, without a
 /// line end: "STRAIGHT_FEED(1.000000, 2.000000, …)". docs/canonical.md lists them all.
 [[nodiscard]] std::string text_of(const Command& command);
+/// The same behind `text`, for those who print millions of them.
+void append_text(std::string& text, const Command& command);
 
 }  // namespace cnc::interp

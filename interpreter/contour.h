@@ -19,6 +19,8 @@ struct ContourPiece {
   std::int32_t turns = 0;  ///< 1 counter-clockwise, -1 clockwise, at most once around; 0 = straight
 
   [[nodiscard]] bool is_arc() const { return turns != 0; }
+
+  friend bool operator==(const ContourPiece&, const ContourPiece&) = default;
 };
 
 [[nodiscard]] double dot(PlanePoint a, PlanePoint b);

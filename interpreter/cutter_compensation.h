@@ -33,6 +33,8 @@ struct CutterCompensation {
   [[nodiscard]] PlanePoint centre() const { return tip - to_tip; }
   /// The controlled point has been moved by hand: the next move is an entry move again.
   void put_tip(PlanePoint point);
+
+  friend bool operator==(const CutterCompensation&, const CutterCompensation&) = default;
 };
 
 /// Refuses a code that cannot be carried out while compensation is on.

@@ -115,7 +115,7 @@ void Line::clear() {
 }
 
 Accepted evaluate(const Line& line, const ParameterAccess& parameters, Evaluation& result) {
-  result.block = line.block;
+  result.block.take_over(line.block);
   result.condition = 0.0;
   result.text.clear();
   result.arguments = line.arguments;

@@ -42,18 +42,13 @@ Accepted Execution::run(const Block& block, SourceLine source, StepSet steps) {
   steps_left_ = 0;
   stopped_last_ = false;
   habit_ = Habit::none;
-  const MachineState before = state_;
-  const std::size_t commands_before = commands_.size();
-  if (const auto held = before.compensation.held) {
-    held_before_.assign(commands_.begin() + static_cast<std::ptrdiff_t>(*held), commands_.end());
-  }
+  const double a_before = state_.position[Axis::A];
+  const Before before = remember(steps);
   Accepted done = run_steps(steps);
-  if (done && state_.modal.a_clamped) {
-    done = check_clamp(before.position[Axis::A], commands_before);
-  }
+  if (done && state_.modal.a_clamped) done = check_clamp(a_before, before.commands);
   if (done && !block.settings().empty()) done = check_settings();
   if (!done) {
-    undo(before, commands_before);
+    undo(before);
     return done;
   }
   if (!writes_.empty() || measured_head_) apply_writes();
@@ -78,10 +73,32 @@ Accepted Execution::run_steps(StepSet steps) {
   return {};
 }
 
-void Execution::undo(const MachineState& before, std::size_t commands_before) {
-  state_ = before;
-  commands_.resize(commands_before, Command{ProgramEnd{}, source_});
-  if (const auto held = before.compensation.held) {
+// Nearly all lines of a CAM program.
+bool Execution::is_plain(StepSet steps) const {
+  constexpr StepSet kPlainSteps =
+      Block::step_bit(Step::comment) | Block::step_bit(Step::feed) | Block::step_bit(Step::motion);
+  constexpr std::int32_t kLastPlainMotion = 30;  // G0 G1 G2 G3
+  if ((steps & ~kPlainSteps) != 0 || state_.modal.compensation != CompensationSide::off)
+    return false;
+  return !block_->has(Step::motion) || block_->code(Step::motion).number <= kLastPlainMotion;
+}
+
+Execution::Before Execution::remember(StepSet steps) {
+  if (is_plain(steps)) return {state_.plain(), commands_.size()};
+  if (const auto held = state_.compensation.held) {
+    held_before_.assign(commands_.begin() + static_cast<std::ptrdiff_t>(*held), commands_.end());
+  }
+  return {state_, commands_.size()};
+}
+
+void Execution::undo(const Before& before) {
+  if (const auto* plain = std::get_if<PlainState>(&before.state)) {
+    state_.put_back(*plain);
+  } else {
+    state_ = std::get<MachineState>(before.state);
+  }
+  commands_.resize(before.commands, Command{ProgramEnd{}, source_});
+  if (const auto held = state_.compensation.held) {
     std::ranges::copy(held_before_, commands_.begin() + static_cast<std::ptrdiff_t>(*held));
   }
   writes_.clear();

@@ -9,6 +9,7 @@
 #include <array>
 #include <cstdint>
 #include <optional>
+#include <variant>
 #include <vector>
 
 #include "config/parameter_store.h"
@@ -65,7 +66,7 @@ class Execution {
   void emit(const Body& body) {
     if constexpr (!kMayBeHeldBack<Body>) release_held();
     if constexpr (kWaitsForAnswer<Body>) waits_ = true;
-    commands_.emplace_back(CommandBody{body}, source_);
+    commands_.emplace_back(body, source_);
   }
 
   /// Asks the operator; waits for the answer.
@@ -130,11 +131,20 @@ class Execution {
     double value;
   };
 
+  /// What undo() needs.
+  struct Before {
+    std::variant<PlainState, MachineState> state;
+    std::size_t commands = 0;
+  };
+
+  /// Whether those steps of the block can change nothing but a PlainState.
+  [[nodiscard]] bool is_plain(StepSet steps) const;
+  [[nodiscard]] Before remember(StepSet steps);
   Accepted run_steps(StepSet steps);
   /// Refuses commands from `first` on that would turn A against its brake.
   [[nodiscard]] Accepted check_clamp(double a, std::size_t first) const;
   [[nodiscard]] Accepted check_settings() const;
-  void undo(const MachineState& before, std::size_t commands_before);
+  void undo(const Before& before);
   void apply_settings();
   void apply_writes();
 

@@ -4,42 +4,8 @@
 #include <fmt/format.h>
 
 #include "config/parameter_store.h"
-#include "interpreter/number_scan.h"
 
 namespace cnc::interp {
-
-// --- TextCursor
-// ------------------------------------------------------------------------------------
-
-void TextCursor::skip_blanks() {
-  while (next_ != end_ && is_blank(*next_)) ++next_;
-}
-
-bool TextCursor::take(char c) {
-  skip_blanks();
-  if (peek() != c) return false;
-  advance();
-  return true;
-}
-
-std::string_view TextCursor::letters() const {
-  const char* last = next_;
-  while (last != end_ && is_letter(*last)) ++last;
-  return {next_, last};
-}
-
-Span TextCursor::span_from(const char* from) const {
-  return {static_cast<std::uint16_t>(from - begin_ + 1),
-          static_cast<std::uint16_t>(next_ > from ? next_ - from : 1)};
-}
-
-Span TextCursor::span_here(std::size_t length) const {
-  return {static_cast<std::uint16_t>(next_ - begin_ + 1), static_cast<std::uint16_t>(length)};
-}
-
-// --- ExpressionParser
-// ------------------------------------------------------------------------------
-
 namespace {
 
 /// What an operation adds to the number of values on the stack.

@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "interpreter/line.h"
+#include "interpreter/number_scan.h"
 #include "interpreter/refusal.h"
 
 namespace cnc::interp {
@@ -25,20 +26,36 @@ class TextCursor {
   [[nodiscard]] char peek() const { return at_end() ? '\0' : *next_; }
   void advance(std::size_t count = 1) { next_ += count; }
   void move_to(const char* next) { next_ = next; }
-  void skip_blanks();
+  void skip_blanks() {
+    while (next_ != end_ && is_blank(*next_)) ++next_;
+  }
   /// Skips blanks and, if it comes next, `c`.
-  [[nodiscard]] bool take(char c);
+  [[nodiscard]] bool take(char c) {
+    skip_blanks();
+    if (peek() != c) return false;
+    advance();
+    return true;
+  }
 
   [[nodiscard]] const char* position() const { return next_; }
   [[nodiscard]] const char* end() const { return end_; }
   [[nodiscard]] std::string_view rest() const { return {next_, end_}; }
   /// The letters that come next.
-  [[nodiscard]] std::string_view letters() const;
+  [[nodiscard]] std::string_view letters() const {
+    const char* last = next_;
+    while (last != end_ && is_letter(*last)) ++last;
+    return {next_, last};
+  }
 
   /// From `from` (a former position) to here.
-  [[nodiscard]] Span span_from(const char* from) const;
+  [[nodiscard]] Span span_from(const char* from) const {
+    return {static_cast<std::uint16_t>(from - begin_ + 1),
+            static_cast<std::uint16_t>(next_ > from ? next_ - from : 1)};
+  }
   /// The `length` characters that come next.
-  [[nodiscard]] Span span_here(std::size_t length = 1) const;
+  [[nodiscard]] Span span_here(std::size_t length = 1) const {
+    return {static_cast<std::uint16_t>(next_ - begin_ + 1), static_cast<std::uint16_t>(length)};
+  }
 
  private:
   const char* begin_;

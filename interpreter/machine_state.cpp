@@ -36,4 +36,12 @@ void MachineState::arrive(const Position& machine) {
   position = with_plane_point(position, modal.plane, in_plane(programmed, modal.plane));
 }
 
+void MachineState::put_back(const PlainState& before) {
+  position = before.position;
+  modal.motion = before.motion;
+  modal.feed = before.feed;
+  modal.linear_feed = before.linear_feed;
+  modal.rotary_feed = before.rotary_feed;
+}
+
 }  // namespace cnc::interp

@@ -1,5 +1,6 @@
 // The interpreter's whole state: modes, position and offsets. A plain value, so that a line that is
-// refused half-way is undone by putting back the copy of before.
+// refused half-way is undone by putting back the copy of before: of all of it, or for a plain line,
+// which would take longer to copy than to execute, of the little that such a line can change.
 #pragma once
 
 #include "config/axis.h"
@@ -38,6 +39,8 @@ class WorkCoordinates {
   void set_tool_length(double x, double z);
   void set_head_offset(const Position& offset);
 
+  friend bool operator==(const WorkCoordinates&, const WorkCoordinates&) = default;
+
  private:
   void sum_up() { total_ = work_offset_ + g92_offset_ + tool_length_ + head_offset_; }
 
@@ -63,6 +66,17 @@ struct CycleWords {
   /// What the numbers were written for; in another plane or distance mode they mean nothing.
   Plane plane = Plane::xy;
   DistanceMode distance = DistanceMode::absolute;
+
+  friend bool operator==(const CycleWords&, const CycleWords&) = default;
+};
+
+/// What F and G0 to G3 change while cutter compensation is off.
+struct PlainState {
+  Position position;
+  std::int32_t motion = 0;
+  double feed = 0.0;
+  double linear_feed = 0.0;
+  double rotary_feed = 0.0;
 };
 
 struct MachineState {
@@ -80,6 +94,11 @@ struct MachineState {
   /// The machine stands here now.
   void arrive(const Position& machine);
 
+  [[nodiscard]] PlainState plain() const {
+    return {position, modal.motion, modal.feed, modal.linear_feed, modal.rotary_feed};
+  }
+  void put_back(const PlainState& before);
+
   [[nodiscard]] Position work_position() const { return coordinates.to_work(position); }
   /// Program units of an axis word to mm or degrees: inches exist for X Y Z only, diameters for X.
   [[nodiscard]] double scale(Axis axis) const {
@@ -89,6 +108,8 @@ struct MachineState {
   }
   /// Of other lengths: I J K R are never diameters.
   [[nodiscard]] double scale() const { return millimetres_per(modal.unit); }
+
+  friend bool operator==(const MachineState&, const MachineState&) = default;
 };
 
 }  // namespace cnc::interp

@@ -92,6 +92,8 @@ struct ModalState {
   /// "G1 G17 G21 G40 G49 G54 G61 G90 G94 G97 M5 M9 M48 T1 F300 S12000": for displays, F and S as
   /// they were written.
   [[nodiscard]] std::string active_codes() const;
+
+  friend bool operator==(const ModalState&, const ModalState&) = default;
 };
 
 }  // namespace cnc::interp

@@ -29,6 +29,8 @@ class XyTransform {
   /// Each above 0.
   void set_factors(double x, double y);
 
+  friend bool operator==(const XyTransform&, const XyTransform&) = default;
+
  private:
   void note_identity();
 

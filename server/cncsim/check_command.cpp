@@ -24,26 +24,34 @@ class CanonFile {
   }
 
   void add(const interp::Command& command) {
-    line_ = interp::text_of(command);
-    line_ += '\n';
-    std::fwrite(line_.data(), 1, line_.size(), file_.get());
+    interp::append_text(waiting_, command);
+    waiting_ += '\n';
+    if (waiting_.size() >= kWriteAtOnce) write();
   }
 
   Result<void> finish() {
+    write();
     if (std::fflush(file_.get()) == 0 && std::ferror(file_.get()) == 0) return {};
     return fail(ErrorCode::file_not_writable,
                 fmt::format("{} could not be written completely.", path_.string()));
   }
 
  private:
+  static constexpr std::size_t kWriteAtOnce = 1U << 16U;
+
   CanonFile(std::filesystem::path path, std::FILE* file) : path_(std::move(path)), file_(file) {}
+
+  void write() {
+    std::fwrite(waiting_.data(), 1, waiting_.size(), file_.get());
+    waiting_.clear();
+  }
 
   struct Close {
     void operator()(std::FILE* file) const { std::fclose(file); }
   };
   std::filesystem::path path_;
   std::unique_ptr<std::FILE, Close> file_;
-  std::string line_;
+  std::string waiting_;  ///< text that is not written yet
 };
 
 nlohmann::json json_of(const interp::Diagnostic& diagnostic) {

@@ -1,94 +1,58 @@
 // How fast programs are interpreted, beside the least that any reader of the same text must do:
-// find the line ends and convert the numbers. Run it on a quiet machine; the ratios are what to
-// compare.
-#include <chrono>
+// find the line ends and convert the numbers.
+//
+//   interpreter_bench [NAME ...]      all rows of the table, or those named
+//   interpreter_bench write DIR       the programs that peer_interpreter.sh gives to both sides
+//
+// Times are of the processor, not of the clock on the wall, so that another load on the machine
+// disturbs less; the best of some runs counts. The ratios are what to compare.
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <cstring>
+#include <ctime>
 #include <fast_float/fast_float.h>
 #include <fmt/format.h>
-#include <random>
+#include <fstream>
+#include <span>
 #include <string>
 #include <string_view>
 
+#include "interpreter_programs.h"
+
 #include "interpreter/interpreter.h"
+#include "interpreter/line.h"
+#include "interpreter/machine_state.h"
 
 namespace {
 
 using namespace cnc;
 using namespace cnc::interp;
 
-constexpr int kLines = 1'000'000;
-constexpr int kArcs = 200'000;
-constexpr int kRounds = 5;  // the best one counts: others were disturbed
+constexpr int kRepetitions = 7;
 
-/// A 3D surface as CAM systems write it: short moves, some words left out.
-std::string straight_lines() {
-  std::string text = "%\nG21 G90 G17 G40 G54\nG64 P0.02\nS12000 M3\nG0 X0 Y0 Z20\nF1800\n";
-  double x = 0.0;
-  double y = 0.0;
-  double step = 0.1;
-  for (int i = 0; i < kLines; ++i) {
-    x += step;
-    if (x > 100.0 || x < 0.0) {
-      step = -step;
-      x += step;
-      y += 0.15;
-    }
-    const double z = -3 + 2 * std::sin(x * 0.13) * std::cos(y * 0.17) + 0.3 * std::sin(x * 1.7 + y);
-    if (i % 50 == 0) {
-      text += fmt::format("G1 X{:.3f} Y{:.3f} Z{:.3f} F{}\n", x - 50, y - 50, z,
-                          1800 + i / 50 % 7 * 100);
-    } else if (i % 3 == 0) {
-      text += fmt::format("G1 X{:.3f} Y{:.3f} Z{:.3f}\n", x - 50, y - 50, z);
-    } else if (i % 3 == 1) {
-      text += fmt::format("X{:.3f} Y{:.3f} Z{:.3f}\n", x - 50, y - 50, z);
-    } else {
-      text += fmt::format("X{:.3f} Z{:.3f}\n", x - 50, z);
-    }
-  }
-  return text + "G0 Z20\nM30\n%\n";
-}
-
-std::string arcs() {
-  std::mt19937 random(1);
-  std::uniform_real_distribution<double> radius(1, 20);
-  std::uniform_real_distribution<double> turn(0, 2 * M_PI);
-  std::uniform_real_distribution<double> sweep(0.2, 3);
-  const auto rounded = [](double value) { return std::round(value * 1e4) / 1e4; };
-  std::string text = "%\nG21 G90 G17 G40 G54\nG64 P0.02\nG0 X0 Y0 Z0\nF2000\n";
-  double x = 0.0;
-  double y = 0.0;
-  for (int i = 0; i < kArcs; ++i) {
-    const double r = radius(random);
-    const double at = turn(random);
-    const double by = i % 2 == 0 ? sweep(random) : -sweep(random);
-    const double ci = rounded(-r * std::cos(at));
-    const double cj = rounded(-r * std::sin(at));
-    const double exact = std::hypot(ci, cj);
-    const double begin = std::atan2(-cj, -ci);
-    x = rounded(x + ci + exact * std::cos(begin + by));
-    y = rounded(y + cj + exact * std::sin(begin + by));
-    text += fmt::format("G{} X{:.4f} Y{:.4f} I{:.4f} J{:.4f}\n", by < 0 ? 2 : 3, x, y, ci, cj);
-  }
-  return text + "G0 Z20\nM30\n%\n";
-}
-
-std::string loop() {
-  return fmt::format(
-      "G21 G90 G17 G40 G54\nG64 P0.02\nG0 X0 Y0 Z0\nF2000\n#1=0\nwhile [#1 < {}]\n#2=[#1*0.36]\n"
-      "#3=[50*cos[#2]+[3*sin[#2*7]]]\n#4=[50*sin[#2]+[3*cos[#2*7]]]\nG1 X#3 Y#4 Z[-#1/100000]\n"
-      "#1=[#1+1]\nendwhile\nG0 Z20\nM30\n",
-      kLines);
-}
+struct Row {
+  std::string_view name;
+  std::string (*program)(int);
+  int count;
+  std::string_view unit;
+  bool is_text;  ///< as many lines as things to count: comparable with the bare scan
+};
+constexpr auto kRows = std::to_array<Row>({
+    {"lines", bench::straight_lines, 1'000'000, "lines", true},
+    {"arcs", bench::arcs, 200'000, "arcs", true},
+    {"loop", bench::loop, 1'000'000, "rounds", false},
+    {"subs", bench::sub_calls, 1'000'000, "calls", false},
+    {"holes", bench::holes, 200'000, "holes", true},
+    {"compensated", bench::compensated_moves, 200'000, "moves", true},
+});
 
 double seconds_of(const auto& work) {
   double best = HUGE_VAL;
-  for (int round = 0; round < kRounds; ++round) {
-    const auto begin = std::chrono::steady_clock::now();
+  for (int i = 0; i < kRepetitions; ++i) {
+    const std::clock_t begin = std::clock();
     work();
-    const std::chrono::duration<double> taken = std::chrono::steady_clock::now() - begin;
-    best = std::min(best, taken.count());
+    best = std::min(best, static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC);
   }
   return best;
 }
@@ -139,31 +103,46 @@ double interpret(const std::shared_ptr<const Program>& program) {
   }
 }
 
-void measure(std::string_view name, std::string text, double rounds) {
-  const auto program = Program::from_text(std::move(text), std::string(name));
+void measure(const Row& row) {
+  const std::string text = row.program(row.count);
+  const auto program = Program::from_text(text, std::string(row.name));
   if (!program) std::exit(1);
   double sum = 0.0;
-  std::string copy;
-  for (std::uint32_t line = 1; line <= (*program)->line_count(); ++line) {
-    copy.append((*program)->line(line)).append("\n");
-  }
-  const double index =
-      seconds_of([&] { sum += (*Program::from_text(copy, "copy"))->line_count(); });
-  const double scan = seconds_of([&] { sum += bare_scan(copy); });
   const double run = seconds_of([&] { sum += interpret(*program); });
-  fmt::print("{:<16} {:>7.3f} s {:>7.2f} M/s", name, run, rounds / run / 1e6);
-  // A loop has almost no text: there is nothing to compare it with.
-  if ((*program)->line_count() > rounds / 2) {
-    fmt::print("   bare scan {:.3f} s, ratio {:.2f}   index {:.3f} s", scan, run / scan, index);
+  fmt::print("{:<12} {:>7.3f} s {:>6.2f} M {}/s", row.name, run, row.count / run / 1e6, row.unit);
+  if (row.is_text) {
+    const double index = seconds_of([&] { sum += (*Program::from_text(text, ""))->line_count(); });
+    const double scan = seconds_of([&] { sum += bare_scan(text); });
+    fmt::print("   bare scan {:.1f} M/s, ratio {:.2f}   index {:.3f} s", row.count / scan / 1e6,
+               run / scan, index);
   }
   fmt::print("   (sum {:.6g})\n", sum);
 }
 
+int write_programs(const std::string& folder) {
+  const auto write = [&](std::string_view name, const std::string& text) {
+    std::ofstream(fmt::format("{}/{}", folder, name), std::ios::binary) << text;
+  };
+  write("lines.ngc", bench::straight_lines(1'000'000));
+  write("arcs.ngc", bench::arcs(200'000));
+  write("loop.ngc", bench::loop(1'000'000));
+  write("loop_for_linuxcnc.ngc", bench::loop_for_linuxcnc(1'000'000));
+  return 0;
+}
+
 }  // namespace
 
-int main() {
-  fmt::print("per second: lines, arcs, rounds of a loop of seven lines with four sin or cos\n");
-  measure("straight lines", straight_lines(), kLines);
-  measure("arcs", arcs(), kArcs);
-  measure("loop", loop(), kLines);
+int main(int count, char** values) {
+  const std::span arguments(values + 1, static_cast<std::size_t>(count - 1));
+  if (arguments.size() == 2 && std::string_view(arguments[0]) == "write") {
+    return write_programs(arguments[1]);
+  }
+  fmt::print("bytes: Command {}, Block {}, Line {}, MachineState {}\n", sizeof(Command),
+             sizeof(Block), sizeof(Line), sizeof(MachineState));
+  for (const Row& row : kRows) {
+    const bool wanted = arguments.empty() || std::ranges::any_of(arguments, [&](const char* name) {
+                          return row.name == name;
+                        });
+    if (wanted) measure(row);
+  }
 }
