@@ -15,15 +15,6 @@ constexpr double kRelativeTolerance = 0.001;
 
 }  // namespace
 
-double distance(PlanePoint a, PlanePoint b) {
-  return std::hypot(b.first - a.first, b.second - a.second);
-}
-
-PlanePoint in_plane(const Position& position, Plane plane) {
-  const PlaneAxes axes = axes_of(plane);
-  return {position[axes.first], position[axes.second]};
-}
-
 Position with_plane_point(Position position, Plane plane, PlanePoint point) {
   const PlaneAxes axes = axes_of(plane);
   position[axes.first] = point.first;

@@ -1,6 +1,8 @@
 // Arcs in their plane: from the words of a program to a centre (manual 3.4.3).
 #pragma once
 
+#include <cmath>
+
 #include "interpreter/canonical.h"
 #include "interpreter/refusal.h"
 
@@ -27,8 +29,16 @@ struct PlanePoint {
 /// An arc that ends so close to its start is a full circle, for the planner too (motion/curve.h).
 inline constexpr double kSamePoint = 1e-6;
 
-[[nodiscard]] double distance(PlanePoint a, PlanePoint b);
-[[nodiscard]] PlanePoint in_plane(const Position& position, Plane plane);
+// std::hypot takes four times as long, to guard against an overflow that lengths up to 1e9 mm
+// cannot cause.
+[[nodiscard]] inline double distance(PlanePoint a, PlanePoint b) {
+  const PlanePoint way = b - a;
+  return std::sqrt(way.first * way.first + way.second * way.second);
+}
+[[nodiscard]] constexpr PlanePoint in_plane(const Position& position, Plane plane) {
+  const PlaneAxes axes = axes_of(plane);
+  return {position[axes.first], position[axes.second]};
+}
 /// `position` with its two coordinates of `plane` replaced.
 [[nodiscard]] Position with_plane_point(Position position, Plane plane, PlanePoint point);
 

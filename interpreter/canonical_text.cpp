@@ -1,6 +1,7 @@
 // text_of(): canonical commands in the names of NIST RS274/NGC. docs/canonical.md lists every line.
 #include <array>
 #include <fmt/format.h>
+#include <span>
 
 #include "interpreter/canonical.h"
 #include "interpreter/decimal_text.h"
@@ -55,9 +56,10 @@ class Printer {
   void operator()(const FeedMove& c) const { put("STRAIGHT_FEED(", c.end, ")"); }
   void operator()(const ArcMove& c) const {
     const PlaneAxes axes = axes_of(c.plane);
-    put("ARC_FEED(", c.end[axes.first], ", ", c.end[axes.second], ", ", c.first_centre, ", ",
-        c.second_centre, ", ", c.turns, ", ", c.end[axes.third], ", ", c.end[Axis::A], ", ",
-        c.end[Axis::B], ", ", c.end[Axis::C], ")");
+    const std::array before{c.end[axes.first], c.end[axes.second], c.first_centre, c.second_centre};
+    const std::array behind{c.end[axes.third], c.end[Axis::A], c.end[Axis::B], c.end[Axis::C]};
+    put("ARC_FEED(", std::span<const double>(before), ", ", c.turns, ", ",
+        std::span<const double>(behind), ")");
   }
   void operator()(const ProbeMove& c) const { put("STRAIGHT_PROBE(", c.end, ")"); }
   void operator()(const SyncMove& c) const { put("SPINDLE_SYNC_FEED(", c.end, ", ", c.pitch, ")"); }
@@ -189,17 +191,15 @@ class Printer {
     (add(parts), ...);
   }
   void add(std::string_view text) const { text_ += text; }
-  void add(double number) const { append_six_decimals(text_, number); }
-  void add(std::int32_t number) const { text_ += fmt::format_int(number).c_str(); }
+  void add(double number) const { append_six_decimals(text_, {&number, 1}); }
+  void add(std::span<const double> numbers) const { append_six_decimals(text_, numbers); }
+  void add(const Position& position) const { add(std::span(position.values)); }
+  void add(std::int32_t number) const {
+    const fmt::format_int digits(number);
+    text_.append(digits.data(), digits.size());
+  }
   void add(const Option& option) const {
     if (option.value) put(option.letter, *option.value);
-  }
-  void add(const Position& position) const {
-    std::string_view separator;
-    for (const Axis axis : kAllAxes) {
-      put(separator, position[axis]);
-      separator = ", ";
-    }
   }
 
   std::string& text_;

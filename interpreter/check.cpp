@@ -1,15 +1,15 @@
 #include "interpreter/check.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <fmt/format.h>
-#include <numbers>
 #include <set>
 #include <string>
 #include <tuple>
 #include <utility>
 
-#include "interpreter/arc_geometry.h"
+#include "interpreter/contour.h"
 
 namespace cnc::interp {
 
@@ -28,37 +28,33 @@ void Extents::add(const Position& position) {
 
 namespace {
 
-/// An angle in 0 … 2 pi.
-[[nodiscard]] double full_turn(double angle) {
-  constexpr double kTurn = 2.0 * std::numbers::pi;
-  const double rest = std::fmod(angle, kTurn);
-  return rest < 0.0 ? rest + kTurn : rest;
+/// Whether `direction` lies on the way from `from` to `to`, counter-clockwise and less than once
+/// around.
+[[nodiscard]] bool is_passed(PlanePoint direction, PlanePoint from, PlanePoint to) {
+  const bool at_most_half = cross(from, to) >= 0.0;
+  if (at_most_half) return cross(from, direction) >= 0.0 && cross(direction, to) >= 0.0;
+  return cross(to, direction) <= 0.0 || cross(direction, from) <= 0.0;
 }
 
 /// Adds the points where an arc turns back along an axis: every quarter of the circle that it
 /// passes.
-void add_quadrants(Extents& extents, const Position& start, const ArcMove& arc) {
-  constexpr double kQuarter = std::numbers::pi / 2.0;
+void add_quadrants(CheckReport& report, const Position& start, const ArcMove& arc) {
+  constexpr std::array<PlanePoint, 4> kQuarters{{{1.0, 0.0}, {0.0, 1.0}, {-1.0, 0.0}, {0.0, -1.0}}};
   const PlaneAxes axes = axes_of(arc.plane);
   const PlanePoint centre{arc.first_centre, arc.second_centre};
-  const PlanePoint from = in_plane(arc.turns > 0 ? start : arc.end, arc.plane);
-  const PlanePoint to = in_plane(arc.turns > 0 ? arc.end : start, arc.plane);
-  const auto angle = [&](PlanePoint p) {
-    return std::atan2(p.second - centre.second, p.first - centre.first);
-  };
+  const PlanePoint from = in_plane(arc.turns > 0 ? start : arc.end, arc.plane) - centre;
+  const PlanePoint to = in_plane(arc.turns > 0 ? arc.end : start, arc.plane) - centre;
   // A little spiral (rounded centres) stays within its larger radius.
-  const double radius = std::max(distance(centre, from), distance(centre, to));
+  const double radius = std::sqrt(std::max(dot(from, from), dot(to, to)));
   const bool full = std::abs(arc.turns) > 1 || distance(from, to) < kSamePoint;
-  const double begin = angle(from);
-  const double sweep = full ? 2.0 * std::numbers::pi : full_turn(angle(to) - begin);
-  for (int quarter = 0; quarter < 4; ++quarter) {
-    if (full_turn(quarter * kQuarter - begin) > sweep) continue;
-    const double side = quarter < 2 ? radius : -radius;
-    if (quarter % 2 == 0) {
-      extents.add(axes.first, arc.first_centre + side);
-    } else {
-      extents.add(axes.second, arc.second_centre + side);
-    }
+  for (const PlanePoint quarter : kQuarters) {
+    if (!full && !is_passed(quarter, from, to)) continue;
+    const bool on_first = quarter.first != 0.0;
+    const Axis axis = on_first ? axes.first : axes.second;
+    const double value =
+        on_first ? centre.first + radius * quarter.first : centre.second + radius * quarter.second;
+    report.motion.add(axis, value);
+    report.cutting.add(axis, value);
   }
 }
 
@@ -113,26 +109,35 @@ class Checker {
 
   void use(const Command& command) {
     ++report_.commands;
-    if (const auto* move = std::get_if<RapidMove>(&command.body)) {
-      arrive(move->end);
+    if (const auto* rapid = std::get_if<RapidMove>(&command.body)) {
+      move(rapid->end);
     } else if (const auto* feed = std::get_if<FeedMove>(&command.body)) {
       cut(feed->end);
     } else if (const auto* thread = std::get_if<SyncMove>(&command.body)) {
       cut(thread->end);
     } else if (const auto* probe = std::get_if<ProbeMove>(&command.body)) {
-      arrive(probe->end);
+      move(probe->end);
     } else if (const auto* arc = std::get_if<ArcMove>(&command.body)) {
-      report_.cutting.add(position_);
-      add_quadrants(report_.cutting, position_, *arc);
-      add_quadrants(report_.motion, position_, *arc);
+      begin_cut();
+      add_quadrants(report_, position_, *arc);
       cut(arc->end);
     }
     if (options_.sink) options_.sink(command);
   }
 
+  /// Where a cut begins belongs to it; a cut behind another begins at its end.
+  void begin_cut() {
+    if (!std::exchange(is_cutting_, true)) report_.cutting.add(position_);
+  }
+
   void cut(const Position& end) {
-    report_.cutting.add(position_);
+    begin_cut();
     report_.cutting.add(end);
+    arrive(end);
+  }
+
+  void move(const Position& end) {
+    is_cutting_ = false;
     arrive(end);
   }
 
@@ -169,6 +174,7 @@ class Checker {
   Interpreter& interpreter_;
   std::string name_;
   Position position_;
+  bool is_cutting_ = false;  ///< up to position_
   CheckReport report_;
   std::set<std::tuple<std::string, std::uint32_t, ErrorCode>> seen_;
 };

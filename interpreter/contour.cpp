@@ -106,8 +106,6 @@ Points crossings(const ContourPiece& before, const ContourPiece& after) {
 
 }  // namespace
 
-double dot(PlanePoint a, PlanePoint b) { return a.first * b.first + a.second * b.second; }
-double cross(PlanePoint a, PlanePoint b) { return a.first * b.second - a.second * b.first; }
 PlanePoint left_of(PlanePoint direction) { return {-direction.second, direction.first}; }
 PlanePoint turned(PlanePoint direction, double angle) {
   return std::cos(angle) * direction + std::sin(angle) * left_of(direction);

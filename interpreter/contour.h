@@ -23,9 +23,13 @@ struct ContourPiece {
   friend bool operator==(const ContourPiece&, const ContourPiece&) = default;
 };
 
-[[nodiscard]] double dot(PlanePoint a, PlanePoint b);
+[[nodiscard]] constexpr double dot(PlanePoint a, PlanePoint b) {
+  return a.first * b.first + a.second * b.second;
+}
 /// The z of the vector product: positive when b points to the left of a.
-[[nodiscard]] double cross(PlanePoint a, PlanePoint b);
+[[nodiscard]] constexpr double cross(PlanePoint a, PlanePoint b) {
+  return a.first * b.second - a.second * b.first;
+}
 /// `direction` turned a quarter counter-clockwise.
 [[nodiscard]] PlanePoint left_of(PlanePoint direction);
 [[nodiscard]] PlanePoint turned(PlanePoint direction, double angle);

@@ -2,12 +2,13 @@
 // there.
 #pragma once
 
+#include <span>
 #include <string>
 
 namespace cnc::interp {
 
-/// Appends `value` with six decimals, correctly rounded; never "-0.000000", which would differ
-/// between equal positions.
-void append_six_decimals(std::string& text, double value);
+/// Appends numbers with six decimals, correctly rounded, separated by ", "; never "-0.000000",
+/// which would differ between equal positions.
+void append_six_decimals(std::string& text, std::span<const double> numbers);
 
 }  // namespace cnc::interp

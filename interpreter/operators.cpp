@@ -72,10 +72,15 @@ constexpr std::int64_t kMaxShift = 52;
          std::ranges::equal(text.substr(0, lower.size()), lower, {}, upper, upper);
 }
 
-[[nodiscard]] Parsed<double> finite(double value, Span span) {
-  if (std::isfinite(value)) return value;
+// Apart from finite(), so that this is small enough to be inlined.
+[[gnu::noinline]] std::unexpected<Refusal> not_finite(Span span) {
   return refuse(ErrorCode::result_not_finite, span,
                 "The result is too large or not a number at all.");
+}
+
+[[nodiscard]] inline Parsed<double> finite(double value, Span span) {
+  if (std::isfinite(value)) return value;
+  return not_finite(span);
 }
 
 [[nodiscard]] std::unexpected<Refusal> bad_argument(std::string_view name, double value,

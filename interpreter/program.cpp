@@ -5,7 +5,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <limits>
-#include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -66,17 +65,25 @@ class File {
   return text.starts_with(kMark) ? text.substr(kMark.size()) : text;
 }
 
+[[nodiscard]] std::size_t find(char c, std::string_view text) {
+  const void* found = std::memchr(text.data(), c, text.size());
+  return found == nullptr ? std::string_view::npos
+                          : static_cast<std::size_t>(static_cast<const char*>(found) - text.data());
+}
+
+/// Where the line that begins at `from` ends. In a truncated file, where gigabytes of NUL may
+/// follow and no line end, behind the first NUL.
 [[nodiscard]] std::size_t find_line_end(std::string_view text, std::size_t from) {
-  const void* end = std::memchr(text.data() + from, '\n', text.size() - from);
-  return end == nullptr ? text.size()
-                        : static_cast<std::size_t>(static_cast<const char*>(end) - text.data());
+  constexpr std::size_t kNear = 1U << 16U;
+  const std::string_view near = text.substr(from, kNear);
+  if (const std::size_t end = find('\n', near); end != std::string_view::npos) return from + end;
+  if (const std::size_t nul = find('\0', near); nul != std::string_view::npos)
+    return from + nul + 1;
+  const std::size_t end = find('\n', text.substr(from));
+  return end == std::string_view::npos ? text.size() : from + end;
 }
 
 }  // namespace
-
-Program::~Program() {
-  if (mapping_ != nullptr) ::munmap(mapping_, mapped_size_);
-}
 
 Result<std::shared_ptr<const Program>> Program::open(const std::filesystem::path& path) {
   std::shared_ptr<Program> program(new Program(path.string()));
@@ -96,11 +103,9 @@ Result<std::shared_ptr<const Program>> Program::open(const std::filesystem::path
     program->text_ = program->owned_;
     return finish(std::move(program));
   }
-  void* mapping = ::mmap(nullptr, *size, PROT_READ, MAP_PRIVATE, file.descriptor(), 0);
-  if (mapping == MAP_FAILED) return cannot_read(program->name_, errno);
-  program->mapping_ = mapping;
-  program->mapped_size_ = *size;
-  program->text_ = {static_cast<const char*>(mapping), *size};
+  program->mapping_ = MappedFile::map(file.descriptor(), *size);
+  if (!program->mapping_) return cannot_read(program->name_, errno);
+  program->text_ = program->mapping_->text();
   return finish(std::move(program));
 }
 
@@ -153,7 +158,7 @@ Program::Cursor Program::begin_of(std::uint32_t line) const {
   if (line > line_count_) return {line_count_ + 1, text_.size()};
   const std::uint32_t entry = (line - 1) / kLinesPerEntry;
   Cursor cursor{entry * kLinesPerEntry + 1, offsets_[entry]};
-  while (cursor.line < line) static_cast<void>(read(cursor));
+  while (cursor.line < line && !at_end(cursor)) static_cast<void>(read(cursor));
   return cursor;
 }
 

@@ -1,8 +1,8 @@
 // The text of a program: a file or a string, with an index that finds any line quickly.
 //
 // Up to kReadWhole bytes a file is copied into memory: it may then be edited or deleted while it
-// runs. A larger one is mapped; whoever changes it in place while it runs changes what is executed,
-// and whoever truncates it ends the process, so the server hands out a file of its own.
+// runs. A larger one is mapped; whoever changes it in place while it runs changes what is executed.
+// Whoever truncates it makes the program fail at the first line that is missing (mapped_file.h).
 //
 // The index holds the place of every 64th line (100 million lines: 13 MB) and the lines that steer
 // the program. Immutable, so any number of threads may read it.
@@ -17,6 +17,7 @@
 
 #include "config/error.h"
 #include "interpreter/flow_index.h"
+#include "interpreter/mapped_file.h"
 #include "interpreter/nesting.h"
 
 namespace cnc::interp {
@@ -32,7 +33,7 @@ class Program {
   /// The same for a text in memory; `name` stands for the file in diagnostics.
   [[nodiscard]] static Result<std::shared_ptr<const Program>> from_text(std::string text,
                                                                         std::string name);
-  ~Program();
+  ~Program() = default;
   Program(const Program&) = delete;
   Program& operator=(const Program&) = delete;
 
@@ -51,6 +52,8 @@ class Program {
   [[nodiscard]] bool at_end(const Cursor& cursor) const { return cursor.offset >= text_.size(); }
   /// The line at `cursor`, which moves to the next one.
   [[nodiscard]] std::string_view read(Cursor& cursor) const;
+  /// The file has become shorter since it was opened: what is missing reads as NUL characters.
+  [[nodiscard]] bool was_truncated() const { return text_.back() == '\0'; }
 
   [[nodiscard]] const FlowIndex& flow() const { return flow_; }
   [[nodiscard]] const NestingData& nesting() const { return nesting_; }
@@ -65,9 +68,8 @@ class Program {
   static constexpr std::uint32_t kLinesPerEntry = 64;
 
   std::string name_;
-  std::string owned_;        ///< of a small file or a string
-  void* mapping_ = nullptr;  ///< of a large file
-  std::size_t mapped_size_ = 0;
+  std::string owned_;                          ///< of a small file or a string
+  std::unique_ptr<const MappedFile> mapping_;  ///< of a large file
   std::string_view text_;
   std::vector<std::uint64_t> offsets_;  ///< of lines 1, 65, 129 …
   std::uint32_t line_count_ = 0;

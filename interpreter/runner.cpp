@@ -170,7 +170,7 @@ Accepted Runner::run_line() {
   line_text_ = program_->read(cursor_);
   if (settings_.block_delete && is_skipped()) return {};
   const auto line = parsed_line();
-  if (!line) return std::unexpected(line.error());
+  if (!line) return line_text_.contains('\0') ? refuse_truncated() : std::unexpected(line.error());
   line_ = *line;
   return run_parsed(*line_);
 }
@@ -200,12 +200,21 @@ Accepted Runner::end_at_end_of_file() {
     return refuse(ErrorCode::no_program_end, {0, 1}, "The program does not end with M00 or M30.",
                   "M00 or M30 on the last line.");
   }
-  ran_off_end_ = true;
   line_number_ = program_->line_count();
+  if (program_->was_truncated()) return refuse_truncated();
+  ran_off_end_ = true;
   execution_.begin(here());
   execution_.emit(ProgramEnd{});
   execution_.end_program();
   return {};
+}
+
+Accepted Runner::refuse_truncated() {
+  line_text_ = {};
+  return refuse(
+      ErrorCode::program_truncated, {0, 1},
+      fmt::format("{} became shorter while it ran: this line is missing.", file_name(file_)),
+      "A file that nobody writes to until the job is over.");
 }
 
 bool Runner::is_skipped() const {

@@ -80,6 +80,7 @@ class Runner {
   /// Computes the values of a line. False: the program has to wait for some of them first.
   Parsed<bool> evaluate_line(const Line& line);
   Accepted end_at_end_of_file();
+  Accepted refuse_truncated();
   [[nodiscard]] Parsed<const Line*> parsed_line();
   [[nodiscard]] bool is_skipped() const;
   [[nodiscard]] SourceLine here() const { return {file_, line_number_}; }

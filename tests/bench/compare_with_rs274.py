@@ -52,8 +52,12 @@ def calls(text):
     for line in text.splitlines():
         match = CALL.search(line)
         if match:
-            arguments = [part.strip() for part in match.group(2).split(",")]
-            yield match.group(1), arguments
+            # rs274 leaves out some of the commas.
+            yield match.group(1), match.group(2).replace(",", " ").split()
+
+
+def numbers(arguments):
+    return [float(argument) for argument in arguments]
 
 
 def arc_end(plane, values):
@@ -72,9 +76,9 @@ def our_moves(text):
         if name == "SELECT_PLANE":
             plane = arguments[0][-2:]
         elif name in kinds:
-            yield Move(kinds[name], [float(value) for value in arguments[:6]], 0.0)
+            yield Move(kinds[name], numbers(arguments[:6]), 0.0)
         elif name == "ARC_FEED":
-            values = [float(value) for value in arguments]
+            values = numbers(arguments)
             end, centre = arc_end(plane, values)
             yield Move("arc", end, 0.0, plane, centre, round(values[4]))
 
@@ -105,19 +109,19 @@ class LinuxCnc:
             elif name == "SELECT_PLANE":
                 self.plane = arguments[0][-2:]
             elif name == "SET_G5X_OFFSET":
-                self.work = self.scaled([float(value) for value in arguments[1:7]])
+                self.work = self.scaled(numbers(arguments[1:7]))
             elif name == "SET_G92_OFFSET":
-                self.g92 = self.scaled([float(value) for value in arguments[:6]])
+                self.g92 = self.scaled(numbers(arguments[:6]))
             elif name == "SET_XY_ROTATION":
                 self.angle = math.radians(float(arguments[0]))
             elif name == "USE_TOOL_LENGTH_OFFSET":
-                self.length = self.scaled([float(value) for value in arguments[:6]])
+                self.length = self.scaled(numbers(arguments[:6]))
             elif name in kinds:
-                values = [float(value) for value in arguments[:6]]
+                values = numbers(arguments[:6])
                 values += [0.0] * (6 - len(values))
                 yield Move(kinds[name], self.machine(values), 1e-4 * self.unit)
             elif name == "ARC_FEED":
-                yield self.arc([float(value) for value in arguments])
+                yield self.arc(numbers(arguments))
 
     def arc(self, values):
         end, centre = arc_end(self.plane, values)
@@ -138,6 +142,28 @@ def without_standstill(moves):
             kept.append(move)
             position = move.end
     return kept
+
+
+def align(one, another):
+    """How many moves differ, and the first two that do. An entry move or a corner that the other side
+    makes with more moves does not make everything behind it different."""
+    look_ahead = [(a, b) for total in range(1, 7) for a in range(total + 1) for b in [total - a]]
+    different, first = 0, None
+    i = j = 0
+    while i < len(one) or j < len(another):
+        if i < len(one) and j < len(another) and not one[i].differs_from(another[j]):
+            i, j = i + 1, j + 1
+            continue
+        if first is None:
+            first = [str(moves[k]) if k < len(moves) else "nothing"
+                     for moves, k in ((one, i), (another, j))]
+        ours, theirs = next(((a, b) for a, b in look_ahead
+                             if i + a < len(one) and j + b < len(another)
+                             and not one[i + a].differs_from(another[j + b])),
+                            (len(one) - i, len(another) - j))
+        different += max(ours, theirs)
+        i, j = i + ours, j + theirs
+    return different, first
 
 
 def run_rs274(program, folder):
@@ -195,11 +221,9 @@ def outcome(cncsim, program, folder):
         return "cncsim refuses", our_refusal
     one = without_standstill(our_moves(ours))
     another = without_standstill(LinuxCnc().moves(theirs))
-    for index, (move, other) in enumerate(zip(one, another)):
-        if move.differs_from(other):
-            return "DIFFERS", "move %d of %d: %s; rs274: %s" % (index + 1, len(one), move, other)
-    if len(one) != len(another):
-        return "DIFFERS", "%d moves; rs274: %d" % (len(one), len(another))
+    different, first = align(one, another)
+    if different:
+        return "DIFFERS", "%d of %d moves; first %s; rs274: %s" % (different, len(one), *first)
     return "same", "%d moves" % len(one)
 
 

@@ -1,5 +1,9 @@
 // Checking whole programs.
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <fmt/format.h>
+#include <random>
 
 #include "tests/interpreter/support.h"
 
@@ -92,6 +96,34 @@ TEST_CASE("The extents hold arcs exactly", "[JOB-2]") {
   CHECK(report.motion.highest[Axis::X] == Approx(row.high_x).margin(1e-9));
   CHECK(report.motion.lowest[Axis::Y] == Approx(row.low_y).margin(1e-9));
   CHECK(report.motion.highest[Axis::Y] == Approx(row.high_y).margin(1e-9));
+}
+
+TEST_CASE("The extents of random arcs are those of many points on them", "[JOB-2]") {
+  constexpr int kPoints = 2000;
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> any_radius(1.0, 20.0);
+  std::uniform_real_distribution<double> any_angle(0.0, 6.28);
+  std::uniform_real_distribution<double> any_sweep(-6.2, 6.2);
+  for (int arc = 0; arc < 300; ++arc) {
+    const double radius = any_radius(random);
+    const double begin = any_angle(random);
+    const double sweep = any_sweep(random);
+    const auto x = [&](double part) { return radius * std::cos(begin + part * sweep); };
+    const auto y = [&](double part) { return radius * std::sin(begin + part * sweep); };
+    const CheckReport report =
+        check_text(fmt::format("G0 X{:.9f} Y{:.9f}\nG90.1 F1 G{} X{:.9f} Y{:.9f} I0 J0\nM2\n", x(0),
+                               y(0), sweep < 0.0 ? 2 : 3, x(1), y(1)));
+    REQUIRE(report.ok());
+    double right = x(0);
+    double bottom = y(0);
+    for (int i = 1; i <= kPoints; ++i) {
+      right = std::max(right, x(static_cast<double>(i) / kPoints));
+      bottom = std::min(bottom, y(static_cast<double>(i) / kPoints));
+    }
+    // Between two of the points the arc rises by at most R (1 - cos(sweep / points / 2)) < 0.00003.
+    CHECK(report.cutting.highest[Axis::X] == Approx(right).epsilon(0).margin(0.00003));
+    CHECK(report.cutting.lowest[Axis::Y] == Approx(bottom).epsilon(0).margin(0.00003));
+  }
 }
 
 TEST_CASE("Cutting extents leave rapids out, and are machine coordinates", "[JOB-2]") {

@@ -1,11 +1,14 @@
 // The numbers of canonical text are those of the fmt library, digit for digit.
 #include "interpreter/decimal_text.h"
 
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <random>
+#include <string>
+#include <vector>
 
 using cnc::interp::append_six_decimals;
 
@@ -13,7 +16,7 @@ namespace {
 
 std::string text_of(double value) {
   std::string text;
-  append_six_decimals(text, value);
+  append_six_decimals(text, {&value, 1});
   return text;
 }
 
@@ -46,11 +49,19 @@ TEST_CASE("Six decimals of canonical numbers are rounded and never a negative ze
   CHECK(text_of(row.value) == row.text);
 }
 
-TEST_CASE("Six decimals of a number stand behind what the text holds already", "[GCO-1]") {
-  std::string text = "G1 ";
-  append_six_decimals(text, -1e7);  // by the library
-  append_six_decimals(text, -1.5);
-  CHECK(text == "G1 -10000000.000000-1.500000");
+TEST_CASE("Numbers are separated by commas and stand behind what the text holds already",
+          "[GCO-1]") {
+  std::string text = "(";
+  append_six_decimals(text, std::array{-1e7, -1.5, 0.0, 12.25});  // the first one by the library
+  CHECK(text == "(-10000000.000000, -1.500000, 0.000000, 12.250000");
+
+  // More characters than are collected at once.
+  std::string many;
+  std::string expected;
+  const std::vector<double> numbers(50, -987654.321);
+  append_six_decimals(many, numbers);
+  for (std::size_t i = 0; i < numbers.size(); ++i) expected += ", -987654.321000";
+  CHECK(many == expected.substr(2));
 }
 
 TEST_CASE("Six decimals are the library's for a million numbers of every size", "[GCO-1]") {

@@ -73,6 +73,38 @@ TEST_CASE("A file is read whole: changing it does not change the running program
   CHECK(program->name() == file.path().string());
 }
 
+TEST_CASE("A large file that is truncated while it runs fails at the missing line",
+          "[JOB-6][LNG-10]") {
+  constexpr std::uint64_t kLine = 64;
+  const std::string line = "G0 X1 (" + std::string(kLine - 9, '-') + ")\n";
+  std::string text;
+  while (text.size() <= Program::kReadWhole) text += line;
+  const TemporaryFile file(text);
+  const auto program = Program::open(file.path()).value();
+  CHECK_FALSE(program->was_truncated());
+
+  // In the middle of a page and of line 10001, and at the beginning of the last line.
+  const std::uint64_t left = GENERATE_COPY(kLine * 10'000 + 6, text.size() - kLine);
+  std::filesystem::resize_file(file.path(), left);
+
+  config::ParameterStore parameters;
+  config::ToolTable tools;
+  Interpreter interpreter({}, parameters, tools);
+  interpreter.start(program, {});
+  Progress progress = interpreter.next();
+  std::uint64_t moves = 0;
+  for (; progress == Progress::command || progress == Progress::working;
+       progress = interpreter.next()) {
+    if (progress != Progress::command) continue;
+    if (std::holds_alternative<RapidMove>(interpreter.command().body)) ++moves;
+  }
+  REQUIRE(progress == Progress::failed);
+  CHECK(interpreter.diagnostic().code == ErrorCode::program_truncated);
+  CHECK(interpreter.diagnostic().line == left / kLine + 1);
+  CHECK(moves == left / kLine);
+  CHECK(program->was_truncated());
+}
+
 TEST_CASE("Lines may have 4096 characters; a longer one is refused with its number",
           "[JOB-6][LNG-10]") {
   const std::string comment(kMaxLineLength - 7, 'x');
