@@ -37,9 +37,10 @@ namespace cnc::api {
 [[nodiscard]] std::string default_address();
 
 struct ClientOptions {
-  std::chrono::milliseconds connect_timeout{3'000};     ///< for connect()
-  std::chrono::milliseconds call_timeout{10'000};       ///< for every call but home() and mdi()
-  std::chrono::milliseconds motion_timeout{3'600'000};  ///< for home() and mdi(): the machine stops
+  std::chrono::milliseconds connect_timeout{3'000};  ///< for connect()
+  std::chrono::milliseconds call_timeout{10'000};    ///< for every call but the next three
+  /// For home(), mdi() and run_sub(): the machine stops.
+  std::chrono::milliseconds motion_timeout{3'600'000};
 };
 
 /// Factors; what is not given stays.
@@ -107,6 +108,9 @@ class Client {
   /// Executes one line of G-code and answers when it has been executed. `stop` cancels: the machine
   /// stops.
   [[nodiscard]] Result<void> mdi(std::string_view line, std::stop_token stop = {}) const;
+  /// Runs a sub of the machine's macro files ("user_1", "zero_z") and answers when it has ended,
+  /// the questions that it asks included. `stop` cancels: the machine stops.
+  [[nodiscard]] Result<void> run_sub(std::string_view name, std::stop_token stop = {}) const;
   /// Acts within one look-ahead. Answers the values that hold now.
   [[nodiscard]] Result<Overrides> set_overrides(const OverrideChange& change) const;
   [[nodiscard]] Result<void> set_work_zero(const std::vector<WorkCoordinate>& coordinates) const;
@@ -138,6 +142,11 @@ class Client {
   [[nodiscard]] Result<void> stop() const;
   /// Back to the first line.
   [[nodiscard]] Result<void> rewind() const;
+  /// Answers MachineStatus::question by its number: OK (`confirmed`) or Cancel. `values`: one for
+  /// each field in their order, or none to leave them; Cancel changes none. Refused if that
+  /// question is not asked any more: the first answer counts.
+  [[nodiscard]] Result<void> answer(std::uint64_t number, bool confirmed,
+                                    const std::vector<double>& values = {}) const;
   /// `count` lines (1 … 1000) from line `first` (from 1).
   [[nodiscard]] Result<ProgramText> read_lines(std::uint64_t first, std::uint32_t count) const;
   /// What the check of the loaded file has found so far.

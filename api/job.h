@@ -20,11 +20,20 @@ struct ProgramText {
   std::vector<std::string> lines;  ///< UTF-8 without line ends; fewer than asked at the end
 };
 
+/// A call of a sub.
+struct CallSite {
+  std::string sub;
+  TextPlace place;  ///< where it was called
+
+  friend bool operator==(const CallSite&, const CallSite&) = default;
+};
+
 struct Problem {
   Error error;  ///< always with a place
   std::string line_text;
   std::uint32_t length = 0;  ///< of the offending text from error.place->column, characters
   bool warning = false;
+  std::vector<CallSite> calls{};  ///< that led to the line, innermost first; the last is the job's
 };
 
 struct ProblemList {

@@ -34,6 +34,7 @@ struct Machine {
   bool inch = false;                  ///< how to display; the API stays in mm
   std::vector<AxisDescription> axes;  ///< visible axes only, in the order X … C
   bool homing_mandatory = false;
+  std::string picture_folder;  ///< on the server's computer: <title>.png of a Question
 };
 
 /// Cycles whose value was below `upper` and not below the upper of the bin before.

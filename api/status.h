@@ -130,8 +130,9 @@ struct MachineStatus {
   AxisFlags home_switches;           ///< active now
   double fifo_time = 0.0;            ///< s of motion in the controller board
   std::uint64_t newest_message = 0;  ///< sequence number, see Client::messages
-  std::optional<Question> question;  ///< set in MachineState::question
-  bool probe_input = false;          ///< the probe touches
+  /// What a program asks, until it is answered; also while the operator jogs meanwhile.
+  std::optional<Question> question;
+  bool probe_input = false;  ///< the probe touches
 
   [[nodiscard]] const CommandAvailability& availability(Command command) const {
     return commands[static_cast<std::size_t>(command)];

@@ -17,11 +17,12 @@ CommandBar::CommandBar(QWidget* parent)
       reset_(new CommandButton(tr("F1\nReset"), this)),
       home_(new CommandButton(tr("⌂\nHome all"), this)),
       load_(new CommandButton(tr("⏏\nLoad…"), this)),
-      rewind_(new CommandButton(tr("↺\nRewind"), this)) {
+      rewind_(new CommandButton(tr("↺\nRewind"), this)),
+      user_(new CommandButton(tr("▴\nUser keys"), this)) {
   auto* const row = new QHBoxLayout(this);
   row->setContentsMargins(0, 0, 0, 0);
   row->setSpacing(8);
-  for (CommandButton* const button : {reset_, home_, load_, rewind_}) {
+  for (CommandButton* const button : {reset_, home_, load_, rewind_, user_}) {
     button->setFixedHeight(kHeight);
     row->addWidget(button);
   }
@@ -29,10 +30,13 @@ CommandBar::CommandBar(QWidget* parent)
   home_->setObjectName(QStringLiteral("home_all"));
   load_->setObjectName(QStringLiteral("load"));
   rewind_->setObjectName(QStringLiteral("rewind"));
+  user_->setObjectName(QStringLiteral("user_keys"));
+  user_->setCheckable(true);
   connect(reset_, &QPushButton::clicked, this, [this] { emit requested(Reset{}); });
   connect(home_, &QPushButton::clicked, this, [this] { emit requested(Home{}); });
   connect(load_, &QPushButton::clicked, this, &CommandBar::load_wanted);
   connect(rewind_, &QPushButton::clicked, this, [this] { emit requested(Rewind{}); });
+  connect(user_, &QPushButton::toggled, this, &CommandBar::user_keys_wanted);
 }
 
 void CommandBar::show_status(const api::MachineStatus& status) {

@@ -1,4 +1,4 @@
-// The bottom row, there on every page: reset and home.
+// The bottom row, always there: reset, home, load, rewind, and the key that opens the user keys.
 #pragma once
 
 #include <QWidget>
@@ -20,12 +20,14 @@ class CommandBar : public QWidget {
   void requested(const cnc::gui::Request& request);
   /// Which file to load is still to be asked.
   void load_wanted();
+  void user_keys_wanted(bool wanted);
 
  private:
   CommandButton* reset_;
   CommandButton* home_;
   CommandButton* load_;
   CommandButton* rewind_;
+  CommandButton* user_;
 };
 
 }  // namespace cnc::gui

@@ -27,8 +27,8 @@ Connection::Connection(const std::string& address, QObject* parent)
   for (QThreadPool& lane : lanes_) lane.setMaxThreadCount(1);
 }
 
-// A homing or a single line ends with the screen that asked for it; the machine stops. A job goes
-// on: it belongs to the server.
+// A homing, a single line or a user key ends with the screen that asked for it; the machine stops.
+// A job goes on: it belongs to the server.
 Connection::~Connection() {
   jog_session_.reset();
   status_subscription_ = {};
@@ -91,11 +91,15 @@ void Connection::deliver_newest_status() {
 }
 
 void Connection::execute(const Request& request) {
-  lanes_.at(request.index()).start([this, request] {
+  QThreadPool& lane = lanes_.at(request.index());
+  const auto task = [this, request] {
     if (auto error = carry_out(request)) {
       post([this, request, error = *std::move(error)] { emit refused(request, error); });
     }
-  });
+  };
+  // A second tap on a user key, before the key is grey, is no wish for a second run.
+  if (!std::holds_alternative<RunSub>(request)) return lane.start(task);
+  static_cast<void>(lane.tryStart(task));
 }
 
 std::optional<api::Error> Connection::carry_out(const Request& request) {
@@ -118,6 +122,12 @@ std::optional<api::Error> Connection::carry_out(const Request& request) {
           [&](const SetOverrides& set) { return error_of(client_.set_overrides(set.change)); },
           [&](const SetWorkZero& set) { return error_of(client_.set_work_zero(set.coordinates)); },
           [&](const JogStep& step) { return error_of(client_.jog_step(step.axis, step.distance)); },
+          [&](const RunSub& sub) {
+            return error_of(client_.run_sub(sub.name, closing_.get_token()));
+          },
+          [&](const Answer& answer) {
+            return error_of(client_.answer(answer.question, answer.confirmed, answer.values));
+          },
       },
       request);
 }

@@ -34,7 +34,7 @@ class Connection : public QObject {
   [[nodiscard]] bool is_local() const { return client_.is_local(); }
 
   /// Requests of one kind are carried out in their order; no kind waits for another, so that a stop
-  /// overtakes a homing.
+  /// overtakes a homing. A user key is left out while another one is under way.
   void execute(const cnc::gui::Request& request);
   void fetch_page(const cnc::gui::PageRequest& request);
   void fetch_problems();

@@ -36,7 +36,9 @@ MainWindow::MainWindow(QString address, bool files_are_local, QWidget* parent)
       dro_(new DroPanel(page_)),
       overrides_(new OverridePanel(page_)),
       job_(new JobPanel(page_)),
-      commands_(new CommandBar(page_)) {
+      user_keys_(new UserKeys(page_)),
+      commands_(new CommandBar(page_)),
+      question_(new QuestionDialog(this)) {
   setWindowTitle(tr("CNC"));
   setFocusPolicy(Qt::ClickFocus);  // a tap beside an editor gives the arrow keys back to jogging
   page_->setObjectName(QStringLiteral("page"));
@@ -67,7 +69,9 @@ void MainWindow::lay_out() {
   grid->setHorizontalSpacing(2 * kMargin);
   grid->addLayout(left, 0, 0);
   grid->addLayout(right, 0, 1);
-  grid->addWidget(commands_, 1, 0, 1, 2);
+  grid->addWidget(user_keys_, 1, 0, 1, 2);
+  grid->addWidget(commands_, 2, 0, 1, 2);
+  user_keys_->hide();
   grid->setColumnStretch(0, 1);
   grid->setRowStretch(0, 1);
 
@@ -87,6 +91,9 @@ void MainWindow::connect_panels() {
   connect(job_, &JobPanel::requested, this, &MainWindow::requested);
   connect(commands_, &CommandBar::requested, this, &MainWindow::requested);
   connect(commands_, &CommandBar::load_wanted, this, &MainWindow::ask_for_file);
+  connect(commands_, &CommandBar::user_keys_wanted, user_keys_, &QWidget::setVisible);
+  connect(user_keys_, &UserKeys::requested, this, &MainWindow::requested);
+  connect(question_, &QuestionDialog::requested, this, &MainWindow::requested);
   connect(&machine_keys_, &MachineKeys::requested, this, [this](const Request& request) {
     jog_lease_.release_all();
     if (page_->isEnabled()) emit requested(request);
@@ -99,6 +106,7 @@ void MainWindow::show_connected(const MachineFacts& facts) {
   const std::vector<api::Axis> axes = axes_of(facts.machine);
   dro_->show_axes(axes);
   jog_->show_axes(axes);
+  question_->set_picture_folder(to_text(facts.machine.picture_folder));
   page_->setEnabled(true);
 }
 
@@ -107,6 +115,7 @@ void MainWindow::show_disconnected(const QString& reason) {
   state_bar_->show_disconnected(address_, reason);
   program_->forget();
   page_->setEnabled(false);
+  question_->show_disconnected();
 }
 
 void MainWindow::show_status(const api::MachineStatus& status) {
@@ -118,7 +127,10 @@ void MainWindow::show_status(const api::MachineStatus& status) {
   dro_->show_status(status);
   overrides_->show_status(status);
   job_->show_status(status);
+  user_keys_->show_status(status);
   commands_->show_status(status);
+  question_->set_area(place_of_question());
+  question_->show_status(status);
   load_waiting_file(status);
 }
 
@@ -127,7 +139,14 @@ void MainWindow::load_waiting_file(const api::MachineStatus& status) {
   emit requested(Load{std::exchange(file_to_load_, {})});
 }
 
+/// Over the left column: the read-outs and the keys of the job stay visible.
+QRect MainWindow::place_of_question() const {
+  const QRect column = program_->geometry().united(mdi_->geometry()).united(jog_->geometry());
+  return column.translated(page_->pos());
+}
+
 void MainWindow::show_refusal(const Request& request, const api::Error& error) {
+  if (std::holds_alternative<Answer>(request)) question_->show_refused();
   // Esc pauses whatever happens; that there was nothing to pause is no news.
   const bool nothing_to_pause =
       std::holds_alternative<Pause>(request) && error.kind == api::ErrorKind::refused;

@@ -19,8 +19,10 @@
 #include "gui/message_bar.h"
 #include "gui/override_panel.h"
 #include "gui/program_panel.h"
+#include "gui/question_dialog.h"
 #include "gui/request.h"
 #include "gui/state_bar.h"
+#include "gui/user_keys.h"
 
 namespace cnc::gui {
 
@@ -53,6 +55,7 @@ class MainWindow : public QWidget {
   void lay_out();
   void connect_panels();
   void ask_for_file();
+  [[nodiscard]] QRect place_of_question() const;
   void load_waiting_file(const api::MachineStatus& status);
 
   QString address_;
@@ -71,7 +74,9 @@ class MainWindow : public QWidget {
   DroPanel* dro_;
   OverridePanel* overrides_;
   JobPanel* job_;
+  UserKeys* user_keys_;
   CommandBar* commands_;
+  QuestionDialog* question_;  // over everything
 };
 
 }  // namespace cnc::gui

@@ -8,6 +8,21 @@
 namespace cnc::gui {
 namespace {
 
+/// Where the job is wrong: for an error within a macro, the job's line that led there.
+const api::TextPlace* place_in_job(const api::Problem& problem) {
+  if (!problem.calls.empty()) return &problem.calls.back().place;
+  return problem.error.place ? &*problem.error.place : nullptr;
+}
+
+QString problem_text(const api::Problem& problem) {
+  QString text = to_text(problem.error.message);
+  if (problem.calls.empty() || !problem.error.place) return text;
+  const api::TextPlace& place = *problem.error.place;
+  return text + QStringLiteral(" (%1, %2:%3)")
+                    .arg(to_text(problem.calls.front().sub), file_name_text(place.file))
+                    .arg(place.line);
+}
+
 quint64 page_of_line(quint64 line) { return (line - 1) / ProgramModel::kPageLines; }
 
 }  // namespace
@@ -35,9 +50,10 @@ void ProgramModel::set_current_line(quint64 line) {
 void ProgramModel::set_problems(const std::vector<api::Problem>& problems) {
   problems_.clear();
   for (const api::Problem& problem : problems) {
-    if (!problem.error.place || problem.error.place->line == 0) continue;
-    const int row = static_cast<int>(problem.error.place->line) - 1;
-    problems_.try_emplace(row, to_text(problem.error.message), problem.warning);
+    const api::TextPlace* const place = place_in_job(problem);
+    if (place == nullptr || place->line == 0) continue;
+    problems_.try_emplace(static_cast<int>(place->line) - 1, problem_text(problem),
+                          problem.warning);
   }
   if (lines_ > 0) emit dataChanged(index(0), index(rowCount() - 1), {kProblem, kIsWarning});
 }

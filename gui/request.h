@@ -41,8 +41,17 @@ struct JogStep {
   double distance = 0.0;  ///< mm or degrees, signed
 };
 
+struct RunSub {
+  std::string name;  ///< of the macro files
+};
+struct Answer {
+  std::uint64_t question = 0;  ///< its number
+  bool confirmed = false;      ///< OK; false = Cancel
+  std::vector<double> values;
+};
+
 using Request = std::variant<Reset, Home, Mdi, Load, Run, Pause, Resume, Stop, Rewind, SetOverrides,
-                             SetWorkZero, JogStep>;
+                             SetWorkZero, JogStep, RunSub, Answer>;
 
 /// "Home", for messages: "Home: …".
 [[nodiscard]] QString request_name(const Request& request);

@@ -18,12 +18,14 @@ StateBar::StateBar(QWidget* parent)
     : QWidget(parent),
       state_(new QLabel(this)),
       text_(new QLabel(this)),
+      probe_(new QLabel(this)),
       machine_(new QLabel(this)) {
   auto* const row = new QHBoxLayout(this);
   row->setContentsMargins(0, 0, 0, 0);
   row->setSpacing(12);
   row->addWidget(state_);
   row->addWidget(text_, 1);
+  row->addWidget(probe_);
   row->addWidget(machine_);
   state_->setFixedHeight(kHeight);
   state_->setMinimumWidth(kStateWidth);
@@ -33,6 +35,8 @@ StateBar::StateBar(QWidget* parent)
   text_->setWordWrap(true);
   text_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
   text_->setObjectName(QStringLiteral("state_text"));
+  probe_->setProperty("role", "lamp");
+  probe_->setObjectName(QStringLiteral("probe"));
   machine_->setProperty("role", "note");
   machine_->setObjectName(QStringLiteral("machine"));
 }
@@ -42,6 +46,8 @@ void StateBar::show_status(const api::MachineStatus& status) {
   set_text(*state_, QString::fromUtf8(look.shape) + QStringLiteral("  ") + tr(look.word));
   set_look(*state_, "tone", QString::fromLatin1(look.tone));
   set_text(*text_, to_text(status.state_text));
+  set_text(*probe_, status.probe_input ? tr("● probe touches") : tr("○ probe"));
+  set_look(*probe_, "tone", status.probe_input ? QStringLiteral("yellow") : QStringLiteral("grey"));
 }
 
 void StateBar::show_connected(const QString& name) { set_text(*machine_, name); }
@@ -51,6 +57,7 @@ void StateBar::show_disconnected(const QString& address, const QString& reason) 
   set_look(*state_, "tone", QStringLiteral("grey"));
   set_text(*text_, tr("Not connected to %1 — trying again").arg(address));
   text_->setToolTip(reason);
+  set_text(*probe_, QString());
   set_text(*machine_, QString());
 }
 

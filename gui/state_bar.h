@@ -23,6 +23,7 @@ class StateBar : public QWidget {
  private:
   QLabel* state_;
   QLabel* text_;
+  QLabel* probe_;
   QLabel* machine_;
 };
 

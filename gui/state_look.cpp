@@ -28,10 +28,11 @@ constexpr std::array<StateLook, api::kMachineStateCount> kLooks{{
     {stopping, "Stopping", "●", "yellow", kNone},
     {estop, "Emergency stop", "✖", "red", Command::reset},
     {error, "Error", "✖", "red", Command::reset},
+    {question, "Question", "?", "blue", Command::answer},
 }};
 
 static_assert(std::ranges::is_sorted(kLooks, {}, &StateLook::state) &&
-              kLooks.back().state == error);
+              kLooks.back().state == question);
 
 }  // namespace
 

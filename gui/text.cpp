@@ -26,6 +26,17 @@ QString to_text(std::string_view utf8) {
 
 QString position_text(double value) { return fixed_text(value, 3); }
 
+QString value_text(double value) { return QString::number(value, 'g', 10); }
+
+std::optional<double> number_of(const QString& text) {
+  QString plain = text.trimmed();
+  plain.replace(u',', u'.').replace(kMinus, u'-');
+  bool is_number = false;
+  const double value = plain.toDouble(&is_number);  // in every locale with a point
+  if (!is_number || !std::isfinite(value)) return std::nullopt;
+  return value;
+}
+
 QString whole_text(double value) { return fixed_text(value, 0); }
 
 QString percent_text(double factor) { return fixed_text(factor * 100.0, 0) + QStringLiteral(" %"); }

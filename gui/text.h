@@ -3,6 +3,7 @@
 #pragma once
 
 #include <QString>
+#include <optional>
 #include <string_view>
 
 #include "api/axis.h"
@@ -13,6 +14,10 @@ namespace cnc::gui {
 
 /// "−123.456": three decimals, never "−0.000".
 [[nodiscard]] QString position_text(double value);
+/// "12.5": as many decimals as it has, up to ten digits, with a plain minus: for editors.
+[[nodiscard]] QString value_text(double value);
+/// The number that was typed, with a point or a comma; nothing for any other text.
+[[nodiscard]] std::optional<double> number_of(const QString& text);
 /// "1200": no decimals.
 [[nodiscard]] QString whole_text(double value);
 /// "120 %" of a factor.

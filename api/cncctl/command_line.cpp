@@ -48,6 +48,7 @@ std::unique_ptr<CLI::App> make_command_line(Task& task) {
   add_info_commands(*app, task);
   add_machine_commands(*app, task);
   add_job_commands(*app, task);
+  add_answer_command(*app, task);
   add_completion(*app, task);
   return app;
 }

@@ -16,5 +16,6 @@ namespace cnc::ctl {
 void add_info_commands(CLI::App& app, Task& task);
 void add_machine_commands(CLI::App& app, Task& task);
 void add_job_commands(CLI::App& app, Task& task);
+void add_answer_command(CLI::App& app, Task& task);
 
 }  // namespace cnc::ctl

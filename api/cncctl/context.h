@@ -32,6 +32,12 @@ struct Context {
   std::stop_token interrupted;  ///< requested by Ctrl-C
 };
 
+/// ok, if the call succeeded.
+[[nodiscard]] inline api::Result<ExitCode> done(const api::Result<void>& result) {
+  if (!result) return std::unexpected(result.error());
+  return ExitCode::ok;
+}
+
 using Action = std::function<api::Result<ExitCode>(const Context&)>;
 
 /// What the command line asks for.

@@ -42,14 +42,13 @@ void add_run(CLI::App& app, Task& task) {
   const auto options = std::make_shared<RunOptions>();
   command.add_flag("--wait", *wait, "Until the job has ended; exit code 1 if it did not end well");
   command.add_flag("--progress", options->show_progress, "Like --wait, and show the progress");
-  command.add_flag("--go-on", options->go_on,
-                   "Like --wait, and resume after M0, M1 and tool changes: for simulated machines");
+  command.add_flag(
+      "--go-on", options->go_on,
+      "Like --wait, resume after M0, M1 and tool changes, and say OK to questions: for "
+      "simulated machines");
   command.callback([&task, wait, options] {
     if (!*wait && !options->show_progress && !options->go_on) {
-      task.action = [](const Context& context) -> api::Result<ExitCode> {
-        if (auto result = context.client.run(); !result) return std::unexpected(result.error());
-        return ExitCode::ok;
-      };
+      task.action = [](const Context& context) { return done(context.client.run()); };
       return;
     }
     task.when_interrupted = "the job goes on; 'cncctl stop' ends it";
@@ -76,11 +75,8 @@ void add_job_commands(CLI::App& app, Task& task) {
   add_run(app, task);
   for (const JobCommand& command : kJobCommands) {
     app.add_subcommand(command.name, command.description)->callback([&task, &command] {
-      task.action = [&command](const Context& context) -> api::Result<ExitCode> {
-        if (auto result = (context.client.*command.call)(); !result) {
-          return std::unexpected(result.error());
-        }
-        return ExitCode::ok;
+      task.action = [&command](const Context& context) {
+        return done((context.client.*command.call)());
       };
     });
   }

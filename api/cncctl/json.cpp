@@ -58,6 +58,17 @@ json commands_json(const api::MachineStatus& status) {
   return object;
 }
 
+json place_json(const api::TextPlace& place) {
+  return {{"file", place.file}, {"line", place.line}, {"column", place.column}};
+}
+
+json calls_json(const std::vector<api::CallSite>& calls) {
+  json array = json::array();
+  for (const api::CallSite& call : calls)
+    array.push_back({{"sub", call.sub}, {"place", place_json(call.place)}});
+  return array;
+}
+
 json histogram(const std::vector<api::HistogramBin>& bins) {
   json array = json::array();
   for (const api::HistogramBin& bin : bins) {
@@ -74,10 +85,7 @@ json to_json(const api::Error& error) {
               {"name", error.name},
               {"message", error.message},
               {"check", error.check}};
-  if (error.place) {
-    object["place"] = {
-        {"file", error.place->file}, {"line", error.place->line}, {"column", error.place->column}};
-  }
+  if (error.place) object["place"] = place_json(*error.place);
   return object;
 }
 
@@ -109,7 +117,18 @@ json to_json(const api::MachineStatus& status) {
           {"estop_input", status.estop_input},
           {"home_switches", set_axes(status.home_switches)},
           {"fifo_time", rounded(status.fifo_time)},
-          {"newest_message", status.newest_message}};
+          {"newest_message", status.newest_message},
+          {"question", status.question ? to_json(*status.question) : json()},
+          {"probe_input", status.probe_input}};
+}
+
+json to_json(const api::Question& question) {
+  json fields = json::array();
+  for (const api::Question::Field& field : question.fields) {
+    fields.push_back(
+        {{"label", field.label}, {"parameter", field.parameter}, {"value", field.value}});
+  }
+  return {{"number", question.number}, {"title", question.title}, {"fields", fields}};
 }
 
 json to_json(const api::ServerVersion& version) {
@@ -136,7 +155,8 @@ json to_json(const api::ProblemList& list) {
     problems.push_back({{"error", to_json(problem.error)},
                         {"line_text", problem.line_text},
                         {"length", problem.length},
-                        {"warning", problem.warning}});
+                        {"warning", problem.warning},
+                        {"calls", calls_json(problem.calls)}});
   }
   return {{"problems", problems}, {"complete", list.complete}};
 }

@@ -11,6 +11,7 @@
 namespace cnc::ctl {
 
 [[nodiscard]] nlohmann::json to_json(const api::Error& error);
+[[nodiscard]] nlohmann::json to_json(const api::Question& question);
 [[nodiscard]] nlohmann::json to_json(const api::MachineStatus& status);
 [[nodiscard]] nlohmann::json to_json(const api::ServerVersion& version);
 [[nodiscard]] nlohmann::json to_json(const api::LinkStatistics& statistics);

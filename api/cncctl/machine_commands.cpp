@@ -1,5 +1,4 @@
-// Commands to the machine: reset, home, jog, mdi, override, zero, estop.
-#include <charconv>
+// Commands to the machine: reset, home, jog, mdi, sub, override, zero, estop.
 #include <chrono>
 #include <fmt/format.h>
 #include <memory>
@@ -7,36 +6,23 @@
 #include <string>
 #include <vector>
 
+#include "api/cncctl/asker.h"
 #include "api/cncctl/command_line.h"
 #include "api/cncctl/json.h"
 #include "api/cncctl/report.h"
 #include "api/cncctl/text.h"
+#include "api/cncctl/words.h"
 
 namespace cnc::ctl {
 namespace {
 
 constexpr double kPercent = 0.01;
 
-/// ok, if the call succeeded.
-api::Result<ExitCode> done(const api::Result<void>& result) {
-  if (!result) return std::unexpected(result.error());
-  return ExitCode::ok;
-}
-
 /// The axis that a word of the command line names; a usage error for any other word.
 api::Axis parse_axis(std::string_view word) {
   const auto axis = word.size() == 1 ? api::axis_of_letter(word[0]) : std::nullopt;
   if (!axis) throw CLI::ValidationError(fmt::format("\"{}\" is not an axis: X Y Z A B C", word));
   return *axis;
-}
-
-double parse_number(std::string_view word) {
-  double value = 0.0;
-  const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-  if (error != std::errc() || end != word.data() + word.size()) {
-    throw CLI::ValidationError(fmt::format("\"{}\" is not a number", word));
-  }
-  return value;
 }
 
 /// "X" is X=0; "Y=2.5".
@@ -56,9 +42,17 @@ void add_home(CLI::App& app, Task& task) {
     task.when_interrupted =
         "the machine stops; the axis in motion and those after it are not homed";
     task.action = [axes](const Context& context) {
-      return done(context.client.home(axes, context.interrupted));
+      return done(
+          while_asking(context, [&] { return context.client.home(axes, context.interrupted); }));
     };
   });
+}
+
+api::Result<void> execute_lines(const Context& context, const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) {
+    if (auto result = context.client.mdi(line, context.interrupted); !result) return result;
+  }
+  return {};
 }
 
 void add_mdi(CLI::App& app, Task& task) {
@@ -69,13 +63,22 @@ void add_mdi(CLI::App& app, Task& task) {
       ->required();
   mdi.callback([&task, lines] {
     task.when_interrupted = "the machine stops; lines after this one are not executed";
-    task.action = [lines](const Context& context) -> api::Result<ExitCode> {
-      for (const std::string& line : *lines) {
-        if (auto result = context.client.mdi(line, context.interrupted); !result) {
-          return std::unexpected(result.error());
-        }
-      }
-      return ExitCode::ok;
+    task.action = [lines](const Context& context) {
+      return done(while_asking(context, [&] { return execute_lines(context, *lines); }));
+    };
+  });
+}
+
+void add_sub(CLI::App& app, Task& task) {
+  CLI::App& sub = *app.add_subcommand(
+      "sub", "Run a sub of the macro files (user_1, zero_z) and wait for its end");
+  const auto name = std::make_shared<std::string>();
+  sub.add_option("name", *name, "As in macro.cnc or user_macro.cnc")->type_name("NAME")->required();
+  sub.callback([&task, name] {
+    task.when_interrupted = "the machine stops";
+    task.action = [name](const Context& context) {
+      return done(while_asking(context,
+                               [&] { return context.client.run_sub(*name, context.interrupted); }));
     };
   });
 }
@@ -221,6 +224,7 @@ void add_machine_commands(CLI::App& app, Task& task) {
   add_home(app, task);
   add_jog(app, task);
   add_mdi(app, task);
+  add_sub(app, task);
   add_override(app, task);
   add_zero(app, task);
   add_estop(app, task);

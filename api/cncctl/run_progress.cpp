@@ -14,6 +14,7 @@
 #include <utility>
 #include <vector>
 
+#include "api/cncctl/asker.h"
 #include "api/cncctl/json.h"
 #include "api/cncctl/text.h"
 
@@ -24,12 +25,18 @@ using api::MachineState;
 
 constexpr std::array kStatesOfAJob{MachineState::running,     MachineState::pausing,
                                    MachineState::paused,      MachineState::program_stop,
-                                   MachineState::tool_change, MachineState::stopping};
+                                   MachineState::tool_change, MachineState::question,
+                                   MachineState::stopping};
 constexpr std::array kStatesThatWait{MachineState::paused, MachineState::program_stop,
-                                     MachineState::tool_change};
+                                     MachineState::tool_change, MachineState::question};
+
+// A job that was seen is over in these. Not in any other: an operator may jog while the program
+// waits, and a program may home.
+constexpr std::array kStatesBetweenJobs{MachineState::ready, MachineState::needs_homing};
 
 // The program asks for somebody's hand; a pause is somebody's will and is not answered for him.
-constexpr std::array kPrompts{MachineState::program_stop, MachineState::tool_change};
+constexpr std::array kPrompts{MachineState::program_stop, MachineState::tool_change,
+                              MachineState::question};
 
 // No job can be started in these.
 constexpr std::array kStatesWithoutJob{MachineState::off, MachineState::needs_reset,
@@ -160,9 +167,8 @@ class EndOfRun {
   explicit EndOfRun(std::uint64_t runs_before) : runs_before_(runs_before) {}
 
   [[nodiscard]] bool reached(const api::MachineStatus& now) {
-    const bool is_running = is_one_of(kStatesOfAJob, now.state);
-    was_running_ = was_running_ || is_running;
-    return is_counted(now) || (was_running_ && !is_running) ||
+    was_running_ = was_running_ || is_one_of(kStatesOfAJob, now.state);
+    return is_counted(now) || (was_running_ && is_one_of(kStatesBetweenJobs, now.state)) ||
            is_one_of(kStatesWithoutJob, now.state);
   }
 
@@ -192,9 +198,9 @@ class PromptAnswer {
     }
     if (now.time < quiet_until_) return {};
     quiet_until_ = now.time + 1.0;
-    auto resumed = client_.resume();
+    auto went_on = now.question ? client_.answer(now.question->number, true) : client_.resume();
     // Refused: the status was old, or somebody else has answered.
-    if (!resumed && resumed.error().kind != api::ErrorKind::refused) return resumed;
+    if (!went_on && went_on.error().kind != api::ErrorKind::refused) return went_on;
     return {};
   }
 
@@ -219,6 +225,7 @@ api::Result<ExitCode> run_and_wait(const Context& context, const RunOptions& opt
 
   EndOfRun end(before->job.runs);
   PromptAnswer prompts(client);
+  Asker asker(client, context.options.json);
   Mailbox mailbox;
   const auto subscription = client.subscribe_status(
       {.max_rate = 10.0}, [&](const api::MachineStatus& status) { mailbox.put(status); },
@@ -232,13 +239,16 @@ api::Result<ExitCode> run_and_wait(const Context& context, const RunOptions& opt
       return std::unexpected(status->error());
     }
     const api::MachineStatus& now = **status;
-    printer.show(now);
     if (options.go_on) {
       if (auto answered = prompts.see(now); !answered) {
         printer.end();
         return std::unexpected(answered.error());
       }
+    } else {
+      if (asker.has_news(now)) printer.end();
+      asker.see(now);
     }
+    if (!asker.is_asking()) printer.show(now);
     if (!end.reached(now)) continue;
     printer.end();
     print_times(now.job, context.options.json);

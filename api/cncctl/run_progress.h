@@ -7,7 +7,9 @@ namespace cnc::ctl {
 
 struct RunOptions {
   bool show_progress = false;
-  bool go_on = false;  ///< answers M0, M1 and tool changes with "resume"; never a pause
+  /// Answers M0, M1 and tool changes with "resume" and questions with OK; never a pause. Without
+  /// it, questions are shown, and asked on the terminal.
+  bool go_on = false;
 };
 
 /// ok if the job reached its end; an Error with the machine's last error message if not. Losing the

@@ -6,6 +6,8 @@
 #include <fmt/chrono.h>
 #include <fmt/format.h>
 
+#include "api/cncctl/question.h"
+
 namespace cnc::ctl {
 namespace {
 
@@ -80,8 +82,13 @@ std::string format_status(const api::MachineStatus& status, const std::vector<ap
       format_overrides({status.feed_override, status.rapid_override, status.speed_override}));
   text += fmt::format("{:<9}{}\n", "spindle", format_spindle(status));
   text += fmt::format("{:<9}{}\n", "tool", status.tool);
+  text += fmt::format("{:<9}{}\n", "probe", status.probe_input ? "touches" : "free");
   text += fmt::format("{:<9}{}\n", "codes", status.active_codes);
   text += fmt::format("{:<9}{}\n", "job", format_job(status.job));
+  if (status.question) {
+    text += fmt::format("{:<9}{}", "question", format_question(*status.question, 9));
+    text += fmt::format("{:<9}{}\n", "answer", how_to_answer(*status.question));
+  }
   return text;
 }
 
@@ -112,6 +119,9 @@ std::string format_problem(const api::Problem& problem) {
   std::string text =
       fmt::format("{}{}\n", problem.warning ? "warning: " : "", problem.error.to_string());
   if (!problem.line_text.empty()) text += fmt::format("    {}\n", problem.line_text);
+  for (const api::CallSite& call : problem.calls)
+    text +=
+        fmt::format("    in sub {}, called at {}:{}\n", call.sub, call.place.file, call.place.line);
   return text;
 }
 

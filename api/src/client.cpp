@@ -94,6 +94,13 @@ Result<void> Client::mdi(std::string_view line, std::stop_token stop) const {
                           impl_->options.motion_timeout, std::move(stop)));
 }
 
+Result<void> Client::run_sub(std::string_view name, std::stop_token stop) const {
+  v1::RunSubRequest request;
+  request.set_name(std::string(name));
+  return done(impl_->call(*impl_->job, &v1::Job::Stub::RunSub, request,
+                          impl_->options.motion_timeout, std::move(stop)));
+}
+
 Result<Overrides> Client::set_overrides(const OverrideChange& change) const {
   v1::SetOverridesRequest request;
   if (change.feed) request.set_feed(*change.feed);
@@ -172,6 +179,16 @@ Result<void> Client::stop() const {
 Result<void> Client::rewind() const {
   return done(impl_->call(*impl_->job, &v1::Job::Stub::Rewind, v1::RewindRequest(),
                           impl_->options.call_timeout));
+}
+
+Result<void> Client::answer(std::uint64_t number, bool confirmed,
+                            const std::vector<double>& values) const {
+  v1::AnswerRequest request;
+  request.set_number(number);
+  request.set_confirmed(confirmed);
+  request.mutable_values()->Assign(values.begin(), values.end());
+  return done(
+      impl_->call(*impl_->job, &v1::Job::Stub::Answer, request, impl_->options.call_timeout));
 }
 
 Result<ProgramText> Client::read_lines(std::uint64_t first, std::uint32_t count) const {

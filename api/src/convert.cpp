@@ -48,6 +48,20 @@ AxisFlags axis_flags(const WireAxes& wire) {
   return flags;
 }
 
+TextPlace text_place(const v1::TextPlace& wire) {
+  return {wire.file(), wire.line(), wire.column()};
+}
+
+Problem problem(const v1::Problem& wire) {
+  Problem found{.error = from_wire(wire.error(), ErrorKind::invalid),
+                .line_text = wire.line_text(),
+                .length = wire.length(),
+                .warning = wire.warning()};
+  for (const v1::CallSite& call : wire.calls())
+    found.calls.push_back({call.sub(), text_place(call.place())});
+  return found;
+}
+
 Question question(const v1::Question& wire) {
   Question asked{.number = wire.number(), .title = wire.title(), .fields = {}};
   for (const v1::QuestionField& field : wire.fields())
@@ -115,10 +129,7 @@ Error from_wire(const v1::ErrorDetail& detail, ErrorKind kind) {
               .message = detail.message(),
               .check = detail.check(),
               .place = std::nullopt};
-  if (detail.has_place()) {
-    const v1::TextPlace& place = detail.place();
-    error.place = TextPlace{place.file(), place.line(), place.column()};
-  }
+  if (detail.has_place()) error.place = text_place(detail.place());
   return error;
 }
 
@@ -163,7 +174,10 @@ ServerVersion from_wire(const v1::GetVersionResponse& wire) {
 }
 
 Machine from_wire(const v1::GetMachineResponse& wire) {
-  Machine machine{.inch = wire.inch(), .axes = {}, .homing_mandatory = wire.homing_mandatory()};
+  Machine machine{.inch = wire.inch(),
+                  .axes = {},
+                  .homing_mandatory = wire.homing_mandatory(),
+                  .picture_folder = wire.picture_folder()};
   for (const v1::AxisDescription& each : wire.axes()) {
     if (const auto axis = from_wire(each.axis())) {
       machine.axes.push_back(axis_description(each, *axis));
@@ -185,12 +199,7 @@ LinkStatistics from_wire(const v1::GetLinkStatisticsResponse& wire) {
 
 ProblemList from_wire(const v1::GetProblemsResponse& wire) {
   ProblemList list{.problems = {}, .complete = wire.complete()};
-  for (const v1::Problem& problem : wire.problems()) {
-    list.problems.push_back({.error = from_wire(problem.error(), ErrorKind::invalid),
-                             .line_text = problem.line_text(),
-                             .length = problem.length(),
-                             .warning = problem.warning()});
-  }
+  for (const v1::Problem& each : wire.problems()) list.problems.push_back(problem(each));
   return list;
 }
 

@@ -1,5 +1,6 @@
 // The folder that holds a machine's configuration and state: cnc.ini, parameters.txt, tools.txt,
-// macro.cnc, the operator's own user_macro.cnc, and files/ for what programs write.
+// macro.cnc, the operator's own user_macro.cnc, files/ for what programs write, and dialogPictures/
+// for the pictures that clients show with a program's question.
 //
 // A new folder is filled with the shipped files. One server at a time uses a folder: it holds a
 // lock that the system releases when the process ends, however it ends.

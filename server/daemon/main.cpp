@@ -113,6 +113,7 @@ int serve(const Options& options) {
                  fanout,
                  files,
                  options.jobs,
+                 std::filesystem::absolute(options.data) / "dialogPictures",
                  "virtual CPU5 board",
                  link_thread.priority_refused().empty(),
                  std::chrono::duration<double>(kLinkPeriod).count(),

@@ -25,9 +25,10 @@ struct Host {
   TaskThread& executor;
   Link& link;  // statistics() only
   MessageLog& log;
-  TaskThread& fanout;                ///< streams look for something new here
-  TaskThread& files;                 ///< opens and indexes job files
-  std::filesystem::path job_folder;  ///< relative job paths start here
+  TaskThread& fanout;                    ///< streams look for something new here
+  TaskThread& files;                     ///< opens and indexes job files
+  std::filesystem::path job_folder;      ///< relative job paths start here
+  std::filesystem::path picture_folder;  ///< absolute; pictures of questions, for clients
   std::string controller_name;
   bool real_time = false;
   double link_period = 0.0;                  ///< s

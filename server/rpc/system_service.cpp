@@ -36,6 +36,7 @@ class SystemService final : public v1::System::CallbackService {
     const config::MachineConfig& config = host_.machine.config();
     response->set_inch(config.unit == config::MachineUnit::inch);
     response->set_homing_mandatory(config.safety.homing_mandatory);
+    response->set_picture_folder(host_.picture_folder);
     for (const Axis axis : kAllAxes) {
       const config::AxisConfig& from = config.axes[axis];
       if (!from.visible) continue;

@@ -162,18 +162,23 @@ TEST_CASE("A call that is not answered ends at its deadline", "[api]") {
   CHECK(f.machine.becomes([](FakeMachine& m) { return m.cancelled_calls == 1; }));
 }
 
-TEST_CASE("Home and MDI are cancelled by their stop token, and the server is told", "[api]") {
+TEST_CASE("What moves is cancelled by its stop token, and the server is told", "[api]") {
   Fixture f;
   f.machine.change([](FakeMachine& m) { m.hold_motion = true; });
   const Client client = f.connected();
   std::stop_source stop;
-  const bool is_home = GENERATE(true, false);
-  auto call = std::async(std::launch::async, [&] {
-    return is_home ? client.home({Axis::X, Axis::Z}, stop.get_token())
-                   : client.mdi("G0 X1", stop.get_token());
-  });
-  const std::string expected = is_home ? "Home AXIS_X AXIS_Z " : "Execute G0 X1";
-  REQUIRE(f.machine.becomes([&](FakeMachine& m) { return m.saw(expected); }));
+  using Move = std::function<api::Result<void>(const Client&, std::stop_token)>;
+  const auto [expected, move] = GENERATE(table<std::string, Move>({
+      {"Home AXIS_X AXIS_Z ",
+       [](const Client& c, auto s) {
+         return c.home({Axis::X, Axis::Z}, s);
+       }},
+      {"Execute G0 X1", [](const Client& c, auto s) { return c.mdi("G0 X1", s); }},
+      {"RunSub user_1", [](const Client& c, auto s) { return c.run_sub("user_1", s); }},
+  }));
+  auto call =
+      std::async(std::launch::async, [&, &move = move] { return move(client, stop.get_token()); });
+  REQUIRE(f.machine.becomes([&expected = expected](FakeMachine& m) { return m.saw(expected); }));
   stop.request_stop();
   const auto result = call.get();
   REQUIRE_FALSE(result.has_value());
@@ -206,6 +211,10 @@ TEST_CASE("Commands arrive with their arguments", "[api]") {
   REQUIRE(client.resume());
   REQUIRE(client.stop());
   REQUIRE(client.rewind());
+  REQUIRE(client.run_sub("user_3"));
+  REQUIRE(client.answer(7, true, {1.5, -2.0}));
+  REQUIRE(client.answer(8, true));
+  REQUIRE(client.answer(9, false));
   const std::vector<std::string> expected{"GetVersion",
                                           "Reset",
                                           "Home",
@@ -217,7 +226,11 @@ TEST_CASE("Commands arrive with their arguments", "[api]") {
                                           "Pause",
                                           "Resume",
                                           "Stop",
-                                          "Rewind"};
+                                          "Rewind",
+                                          "RunSub user_3",
+                                          "Answer 7 OK 1.5 -2",
+                                          "Answer 8 OK ",
+                                          "Answer 9 Cancel "};
   const std::lock_guard lock(f.machine.mutex);
   CHECK(f.machine.calls == expected);
 }
@@ -272,6 +285,38 @@ TEST_CASE("A status comes across with every field", "[api][ARC-1]") {
   CHECK_FALSE(status->availability(api::Command::run).allowed);
 }
 
+TEST_CASE("What a program asks comes with the status, and its answer may be refused",
+          "[api][LNG-4]") {
+  Fixture f;
+  const v1::ErrorDetail detail =
+      error_detail(5019, "no_question", "This question is not asked any more.", "The status.");
+  f.machine.change([&](FakeMachine& m) {
+    m.status.set_state(v1::MACHINE_STATE_QUESTION);
+    m.status.set_probe_input(true);
+    v1::Question& question = *m.status.mutable_question();
+    question.set_number(3);
+    question.set_title("How deep?");
+    v1::QuestionField& field = *question.add_fields();
+    field.set_label("Depth");
+    field.set_parameter(101);
+    field.set_value(2.5);
+    m.failures["Answer"] = failure(grpc::StatusCode::FAILED_PRECONDITION, detail);
+  });
+  const Client client = f.connected();
+  const auto status = client.status();
+  REQUIRE(status.has_value());
+  CHECK(status->state == api::MachineState::question);
+  CHECK(status->probe_input);
+  CHECK(status->question == api::Question{3, "How deep?", {{"Depth", 101, 2.5}}});
+  const auto answer = client.answer(2, true, {3.0});
+  REQUIRE_FALSE(answer.has_value());
+  CHECK(answer.error().kind == ErrorKind::refused);
+  CHECK(answer.error().name == "no_question");
+
+  f.machine.change([](FakeMachine& m) { m.status.clear_question(); });
+  CHECK_FALSE(client.status()->question.has_value());
+}
+
 TEST_CASE("A state of a newer server is unknown, not another state", "[api][ARC-3]") {
   Fixture f;
   f.machine.change([](FakeMachine& m) { m.status.set_state(static_cast<v1::MachineState>(99)); });
@@ -288,6 +333,10 @@ TEST_CASE("The machine, its link and its program are described", "[api]") {
     problem.mutable_error()->mutable_place()->set_line(17);
     problem.set_line_text("G2 X1 R0.1");
     problem.set_length(4);
+    v1::CallSite& call = *problem.add_calls();
+    call.set_sub("pocket");
+    call.mutable_place()->set_file("part.nc");
+    call.mutable_place()->set_line(3);
   });
   const Client client = f.connected();
   const auto machine = client.machine();
@@ -296,6 +345,7 @@ TEST_CASE("The machine, its link and its program are described", "[api]") {
   CHECK(machine->axes[2].axis == Axis::Z);
   CHECK(machine->axes[2].positive_limit == 303.0);
   CHECK(machine->homing_mandatory);
+  CHECK(machine->picture_folder == "/data/dialogPictures");
 
   const auto link = client.link_statistics(true);
   REQUIRE(link.has_value());
@@ -314,6 +364,8 @@ TEST_CASE("The machine, its link and its program are described", "[api]") {
   REQUIRE(problems->problems.size() == 1);
   CHECK(problems->problems[0].error.place->line == 17);
   CHECK(problems->problems[0].length == 4);
+  CHECK(problems->problems[0].calls ==
+        std::vector<api::CallSite>{{"pocket", api::TextPlace{"part.nc", 3, 0}}});
 }
 
 }  // namespace

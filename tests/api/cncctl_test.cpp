@@ -7,8 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "tests/api/fake_server.h"
-#include "tests/api/process.h"
+#include "tests/api/cncctl_fixture.h"
 
 namespace cnc::test {
 namespace {
@@ -16,61 +15,7 @@ namespace {
 using Catch::Contains;
 using Catch::StartsWith;
 
-// As documented in docs/cncctl.md.
-constexpr int kOk = 0;
-constexpr int kRefused = 1;
-constexpr int kUsage = 2;
-constexpr int kNoServer = 3;
-constexpr int kIncompatible = 4;
-constexpr int kInterrupted = 130;
-
-struct Fixture {
-  TemporaryFolder folder;
-  FakeMachine machine;
-  FakeServer server{machine, folder.socket()};
-
-  [[nodiscard]] Process start(std::vector<std::string> arguments) const {
-    arguments.insert(arguments.begin(), {CNCCTL, "--server", server.address()});
-    return {arguments, folder.path()};
-  }
-  [[nodiscard]] Outcome run(const std::vector<std::string>& arguments) const {
-    return start(arguments).wait();
-  }
-};
-
-Outcome run_alone(std::vector<std::string> arguments) {
-  const TemporaryFolder folder;
-  arguments.insert(arguments.begin(), CNCCTL);
-  return Process(arguments, folder.path()).wait();
-}
-
-void refuse(Fixture& f, const std::string& call) {
-  f.machine.change([&](FakeMachine& m) {
-    m.failures[call] =
-        failure(grpc::StatusCode::FAILED_PRECONDITION,
-                error_detail(5001, "command_not_allowed", "The drives are off.", "cncctl reset."));
-  });
-}
-
-/// A job of ten lines that is running, and that ends as the test says once it has been seen.
-void start_job(FakeMachine& m) {
-  m.status.set_state(v1::MACHINE_STATE_RUNNING);
-  m.status.mutable_job()->set_path("/jobs/a.nc");
-  m.status.mutable_job()->set_lines(10);
-  m.status.mutable_job()->set_line(5);
-  m.status.mutable_job()->set_progress(0.5);
-  m.status.mutable_job()->set_elapsed(61.0);
-  m.status.mutable_job()->set_prediction_ready(true);
-  m.status.mutable_job()->set_predicted_time(122.0);
-  m.status.mutable_job()->set_time_left(61.0);
-}
-
-void end_job(FakeMachine& m, bool ended_well) {
-  m.status.set_state(v1::MACHINE_STATE_READY);
-  m.status.mutable_job()->set_runs(m.status.job().runs() + 1);
-  m.status.mutable_job()->set_ended_well(ended_well);
-  m.status.mutable_job()->set_elapsed(123.0);
-}
+using Fixture = CtlFixture;
 
 TEST_CASE("cncctl without a command is wrong usage, told on stderr", "[api][cncctl]") {
   const Outcome outcome = run_alone({});
@@ -101,6 +46,11 @@ TEST_CASE("cncctl finds mistakes in its arguments before it asks a server", "[ap
       {"zero", "X=much"},
       {"estop"},
       {"mdi"},
+      {"sub"},
+      {"answer", "deep"},
+      {"answer", "Depth=deep"},
+      {"answer", "5", "Depth=5"},
+      {"answer", "--cancel", "5"},
       {"fly"},
   }));
   const Outcome outcome = run_alone(arguments);
@@ -156,6 +106,7 @@ TEST_CASE("Commands of cncctl arrive at the server", "[api][cncctl]") {
       {{"resume"}, "Resume"},
       {{"stop"}, "Stop"},
       {{"rewind"}, "Rewind"},
+      {{"sub", "user_3"}, "RunSub user_3"},
   }));
   Fixture f;
   const Outcome outcome = f.run(arguments);
@@ -242,13 +193,20 @@ TEST_CASE("cncctl lists problems, messages and the link's health", "[api][cncctl
     problem.mutable_error()->mutable_place()->set_file("a.nc");
     problem.mutable_error()->mutable_place()->set_line(17);
     problem.set_line_text("G2 X1 R0.1");
+    v1::CallSite& call = *problem.add_calls();
+    call.set_sub("pocket");
+    call.mutable_place()->set_file("part.nc");
+    call.mutable_place()->set_line(3);
     v1::Message& message = m.messages.emplace_back();
     message.set_sequence(1);
     message.set_severity(v1::SEVERITY_WARNING);
     message.set_text("Tool 3 is worn.");
   });
-  CHECK_THAT(f.run({"problems"}).out, Contains("a.nc:17: R is too small. [E2007]") &&
-                                          Contains("G2 X1 R0.1") && Contains("1 problems"));
+  CHECK_THAT(f.run({"problems"}).out,
+             Contains("a.nc:17: R is too small. [E2007]") && Contains("G2 X1 R0.1") &&
+                 Contains("in sub pocket, called at part.nc:3") && Contains("1 problems"));
+  const auto problems = nlohmann::json::parse(f.run({"problems", "--json"}).out).at("problems");
+  CHECK(problems.at(0).at("calls").at(0).at("place").at("line") == 3);
   CHECK_THAT(f.run({"messages"}).out, Contains("warning Tool 3 is worn."));
   CHECK(nlohmann::json::parse(f.run({"messages", "--json"}).out).at("severity") == "warning");
   CHECK_THAT(f.run({"link"}).out, Contains("1000 of 1.000 ms") && Contains("250 us"));
@@ -357,7 +315,7 @@ std::vector<std::string> commands_in_help() {
 
 TEST_CASE("Completion scripts mention every command and compile", "[api][cncctl]") {
   const std::vector<std::string> commands = commands_in_help();
-  REQUIRE(commands.size() >= 19);
+  REQUIRE(commands.size() >= 21);
   for (const std::string shell : {"bash", "zsh", "fish"}) {
     const Outcome outcome = run_alone({"completion", shell});
     CHECK(outcome.exit_code == kOk);

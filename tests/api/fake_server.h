@@ -9,6 +9,7 @@
 #include <condition_variable>
 #include <functional>
 #include <grpcpp/grpcpp.h>
+#include <grpcpp/impl/service_type.h>
 #include <map>
 #include <memory>
 #include <mutex>
@@ -36,9 +37,11 @@ struct FakeMachine {
   v1::MachineStatus status;
   std::vector<v1::Message> messages;
   std::vector<v1::Problem> problems;
-  bool silent = false;                         // accepts status streams and sends nothing
-  bool hold_motion = false;                    // Home and Execute do not come to their end
-  std::function<void(FakeMachine&)> when_run;  // with the mutex held
+  bool silent = false;       // accepts status streams and sends nothing
+  bool hold_motion = false;  // Home, Execute and RunSub do not come to their end
+  // With the mutex held.
+  std::function<void(FakeMachine&)> when_run;
+  std::function<void(FakeMachine&)> when_answered;
 
   // What it has seen.
   std::vector<std::string> calls;  // "Home X Z", "Execute G0 X1", …
@@ -86,8 +89,7 @@ class FakeServer {
   [[nodiscard]] const std::string& address() const { return address_; }
 
  private:
-  struct Services;
-  std::unique_ptr<Services> services_;
+  std::vector<std::unique_ptr<grpc::Service>> services_;
   std::unique_ptr<grpc::Server> server_;
   std::string address_;
 };

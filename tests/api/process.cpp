@@ -7,7 +7,10 @@
 #include <spawn.h>
 #include <stdexcept>
 #include <sys/wait.h>
+#include <thread>
 #include <unistd.h>
+
+#include "tests/api/fake_server.h"
 
 namespace cnc::test {
 namespace {
@@ -19,7 +22,8 @@ std::string text_of(const std::string& path) {
 
 }  // namespace
 
-Process::Process(const std::vector<std::string>& arguments, const std::string& folder)
+Process::Process(const std::vector<std::string>& arguments, const std::string& folder,
+                 const std::string& input)
     : folder_(folder) {
   std::vector<std::string> copy = arguments;
   std::vector<char*> argv;
@@ -29,6 +33,7 @@ Process::Process(const std::vector<std::string>& arguments, const std::string& f
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
   constexpr int kFlags = O_WRONLY | O_CREAT | O_TRUNC;
+  posix_spawn_file_actions_addopen(&actions, STDIN_FILENO, input.c_str(), O_RDWR | O_NOCTTY, 0);
   posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, (folder + "/out").c_str(), kFlags,
                                    0600);
   posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, (folder + "/err").c_str(), kFlags,
@@ -45,6 +50,15 @@ Process::~Process() {
 }
 
 void Process::signal(int number) const { kill(id_, number); }
+
+bool Process::says(const std::string& text) const {
+  const auto end = std::chrono::steady_clock::now() + kPatience;
+  while (text_of(folder_ + "/err").find(text) == std::string::npos) {
+    if (std::chrono::steady_clock::now() > end) return false;
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  }
+  return true;
+}
 
 Outcome Process::wait() {
   int status = 0;

@@ -16,13 +16,16 @@ struct Outcome {
 /// A running program; its output goes to files in a temporary folder.
 class Process {
  public:
-  /// `arguments[0]` is the program.
-  Process(const std::vector<std::string>& arguments, const std::string& folder);
+  /// `arguments[0]` is the program; it reads from the file or terminal `input`.
+  Process(const std::vector<std::string>& arguments, const std::string& folder,
+          const std::string& input = "/dev/null");
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
   ~Process();
 
   void signal(int number) const;
+  /// Whether it has printed this on stderr within kPatience.
+  [[nodiscard]] bool says(const std::string& text) const;
   /// Waits for its end.
   [[nodiscard]] Outcome wait();
 

@@ -22,6 +22,7 @@ namespace {
 /// In the child, between fork and exec: nothing here may allocate.
 [[noreturn]] void become(char* const* arguments, const char* output) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
+  dup2(open("/dev/null", O_RDONLY), STDIN_FILENO);  // not the terminal of whoever runs the tests
   const int file = open(output, O_WRONLY | O_CREAT | O_TRUNC, 0600);
   dup2(file, STDOUT_FILENO);
   dup2(file, STDERR_FILENO);

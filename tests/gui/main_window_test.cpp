@@ -252,6 +252,7 @@ TEST_CASE("Everything fits on 1024 x 768, with three axes and with six", "[gui][
   facts.machine.axes.resize(axes);
   screen.window.show_connected(facts);
   screen.window.show_status(ready());
+  screen.button("user_keys").setChecked(GENERATE(false, true));
   screen.window.resize(1024, 768);
   CHECK(wait_until([&] { return screen.window.size() == QSize(1024, 768); }));
   CHECK(screen.window.minimumSizeHint().width() <= 1024);

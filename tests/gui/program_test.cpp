@@ -113,6 +113,17 @@ TEST_CASE("The line in execution and wrong lines are marked", "[gui][GUI-2]") {
   CHECK(program.model.next_problem_row(29) == 19);
 }
 
+TEST_CASE("An error within a macro marks the job's line that led there", "[gui][LNG-6]") {
+  Program program(1000);
+  api::Problem problem = problem_in_line(300, false);
+  problem.error.place->file = "/data/macro.cnc";
+  problem.calls = {{"inner", {"/data/macro.cnc", 280, 0}}, {"outer", {"/jobs/part.nc", 5, 0}}};
+  program.model.set_problems({problem});
+  CHECK(program.model.next_problem_row(-1) == 4);
+  CHECK(program.model.index(4).data(ProgramModel::kProblem).toString() ==
+        "unknown word (inner, macro.cnc:300)");
+}
+
 TEST_CASE("The view asks for what it shows, and follows the line in execution", "[gui][GUI-2]") {
   Program program(kHundredMillion);
   ProgramView view(program.model);

@@ -19,6 +19,15 @@ TEST_CASE("A position that rounds to zero has no sign", "[gui][GUI-2]") {
   CHECK(position_text(-0.0006).toStdString() == "−0.001");
 }
 
+TEST_CASE("A typed number may have a comma and a true minus", "[gui][LNG-4]") {
+  CHECK(number_of("12.5") == 12.5);
+  CHECK(number_of(" −12,5 ") == -12.5);
+  CHECK_FALSE(number_of("12 mm"));
+  CHECK_FALSE(number_of("1e999"));
+  CHECK(value_text(20.0).toStdString() == "20");
+  CHECK(value_text(-0.1).toStdString() == "-0.1");
+}
+
 TEST_CASE("Durations are minutes and seconds, with hours when there are any", "[gui][GUI-2]") {
   CHECK(duration_text(7.0) == "0:07");
   CHECK(duration_text(754.4) == "12:34");

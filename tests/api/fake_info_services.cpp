@@ -1,0 +1,127 @@
+// What the fake server shows: versions, the machine, statuses, messages.
+#include <limits>
+
+#include "cnc/v1/messages.grpc.pb.h"
+#include "cnc/v1/status.grpc.pb.h"
+#include "cnc/v1/system.grpc.pb.h"
+#include "tests/api/fake_services.h"
+
+namespace cnc::test {
+namespace {
+
+using grpc::ServerContext;
+using grpc::Status;
+
+struct SystemService final : v1::System::Service {
+  explicit SystemService(FakeMachine& m) : machine(m) {}
+  FakeMachine& machine;
+
+  Status GetVersion(ServerContext*, const v1::GetVersionRequest*,
+                    v1::GetVersionResponse* response) override {
+    const Status status = note_call(machine, "GetVersion");
+    const std::lock_guard lock(machine.mutex);
+    response->set_server_version("9.8.7");
+    response->set_api_major(machine.api_major);
+    response->set_api_minor(4);
+    response->set_controller("a fake board");
+    return status;
+  }
+  Status GetMachine(ServerContext*, const v1::GetMachineRequest*,
+                    v1::GetMachineResponse* response) override {
+    response->set_homing_mandatory(true);
+    response->set_picture_folder("/data/dialogPictures");
+    for (const v1::Axis axis : {v1::AXIS_X, v1::AXIS_Y, v1::AXIS_Z}) {
+      v1::AxisDescription& description = *response->add_axes();
+      description.set_axis(axis);
+      description.set_negative_limit(-1.5);
+      description.set_positive_limit(300.0 + static_cast<int>(axis));
+      description.set_max_velocity(50.0);
+      description.set_max_acceleration(400.0);
+      description.set_home_position(2.0);
+    }
+    return note_call(machine, "GetMachine");
+  }
+  Status GetLinkStatistics(ServerContext*, const v1::GetLinkStatisticsRequest* request,
+                           v1::GetLinkStatisticsResponse* response) override {
+    response->set_cycles(1000);
+    response->set_cycle_time(0.001);
+    response->set_max_lateness(0.00025);
+    v1::HistogramBin& bin = *response->add_lateness();
+    bin.set_upper(std::numeric_limits<double>::infinity());
+    bin.set_count(7);
+    return note_call(machine, "GetLinkStatistics", request->reset() ? "reset" : "");
+  }
+};
+
+struct StatusService final : v1::Status::Service {
+  explicit StatusService(FakeMachine& m) : machine(m) {}
+  FakeMachine& machine;
+
+  Status Get(ServerContext*, const v1::GetStatusRequest*, v1::MachineStatus* response) override {
+    const Status status = note_call(machine, "Get");
+    const std::lock_guard lock(machine.mutex);
+    *response = machine.status;
+    return status;
+  }
+  Status Watch(ServerContext* context, const v1::WatchStatusRequest* request,
+               grpc::ServerWriter<v1::MachineStatus>* writer) override {
+    if (const Status status = note_call(machine, "Watch"); !status.ok()) return status;
+    const double rate = request->max_rate() > 0.0 ? request->max_rate() : 20.0;
+    const std::chrono::duration<double> period(1.0 / rate);
+    std::unique_lock lock(machine.mutex);
+    auto next = std::chrono::steady_clock::now();
+    while (!context->IsCancelled()) {
+      if (!machine.silent && std::chrono::steady_clock::now() >= next) {
+        next += std::chrono::duration_cast<std::chrono::steady_clock::duration>(period);
+        machine.status.set_sequence(machine.status.sequence() + 1);
+        if (!writer->Write(machine.status)) break;
+        machine.changed.notify_all();
+      }
+      machine.changed.wait_for(lock, kAskAgain);
+    }
+    return Status::OK;
+  }
+};
+
+struct MessagesService final : v1::Messages::Service {
+  explicit MessagesService(FakeMachine& m) : machine(m) {}
+  FakeMachine& machine;
+
+  Status List(ServerContext*, const v1::ListMessagesRequest* request,
+              v1::ListMessagesResponse* response) override {
+    const Status status = note_call(machine, "List");
+    const std::lock_guard lock(machine.mutex);
+    for (const v1::Message& message : machine.messages) {
+      if (message.sequence() > request->after()) *response->add_messages() = message;
+    }
+    return status;
+  }
+  Status Watch(ServerContext* context, const v1::WatchMessagesRequest* request,
+               grpc::ServerWriter<v1::Message>* writer) override {
+    std::uint64_t after = request->after();
+    std::unique_lock lock(machine.mutex);
+    while (!context->IsCancelled()) {
+      for (const v1::Message& message : machine.messages) {
+        if (message.sequence() <= after) continue;
+        if (!writer->Write(message)) return Status::OK;
+        after = message.sequence();
+      }
+      machine.changed.wait_for(lock, kAskAgain);
+    }
+    return Status::OK;
+  }
+};
+
+}  // namespace
+
+FakeService make_fake_system_service(FakeMachine& machine) {
+  return std::make_unique<SystemService>(machine);
+}
+FakeService make_fake_status_service(FakeMachine& machine) {
+  return std::make_unique<StatusService>(machine);
+}
+FakeService make_fake_messages_service(FakeMachine& machine) {
+  return std::make_unique<MessagesService>(machine);
+}
+
+}  // namespace cnc::test
