@@ -54,8 +54,10 @@ void MainWindow::lay_out() {
   auto* const left = new QVBoxLayout;
   left->setSpacing(kMargin);
   left->addWidget(program_, 1);
+  left->addWidget(user_keys_);
   left->addWidget(mdi_);
   left->addWidget(jog_);
+  user_keys_->hide();
   auto* const right = new QVBoxLayout;
   right->setSpacing(kMargin);
   right->addWidget(dro_, 1);
@@ -69,9 +71,7 @@ void MainWindow::lay_out() {
   grid->setHorizontalSpacing(2 * kMargin);
   grid->addLayout(left, 0, 0);
   grid->addLayout(right, 0, 1);
-  grid->addWidget(user_keys_, 1, 0, 1, 2);
-  grid->addWidget(commands_, 2, 0, 1, 2);
-  user_keys_->hide();
+  grid->addWidget(commands_, 1, 0, 1, 2);
   grid->setColumnStretch(0, 1);
   grid->setRowStretch(0, 1);
 

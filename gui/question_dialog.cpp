@@ -17,7 +17,7 @@ namespace {
 constexpr int kMargin = 12;
 constexpr int kKeyHeight = 56;
 constexpr int kEditorHeight = 40;
-constexpr int kEditorWidth = 128;
+constexpr int kEditorWidth = 112;
 constexpr int kGapOfColumns = 20;
 constexpr int kMostInOneColumn = 6;
 constexpr QSize kMostOfPicture(480, 220);
@@ -107,7 +107,7 @@ void QuestionDialog::open(const api::Question& question) {
   delete body_;
   body_ = new QWidget(scroll_);
   auto* const column = new QVBoxLayout(body_);
-  column->setContentsMargins(0, 0, kMargin, 0);
+  column->setContentsMargins(0, 0, 0, 0);
   column->setSpacing(kMargin);
   title_->setText(to_text(question.title));
   note_->hide();

@@ -1,28 +1,29 @@
 #include "gui/user_keys.h"
 
-#include <QHBoxLayout>
+#include <QGridLayout>
 #include <string>
 
 namespace cnc::gui {
 namespace {
 
-constexpr int kHeight = 56;
+constexpr int kHeight = 44;
+constexpr int kInRow = 5;
 
 }  // namespace
 
 UserKeys::UserKeys(QWidget* parent) : QWidget(parent) {
-  auto* const row = new QHBoxLayout(this);
-  row->setContentsMargins(0, 0, 0, 0);
-  row->setSpacing(8);
+  auto* const grid = new QGridLayout(this);
+  grid->setContentsMargins(0, 0, 0, 0);
+  grid->setSpacing(8);
   int number = 0;
   for (CommandButton*& key : keys_) {
     ++number;
     const std::string sub = "user_" + std::to_string(number);
-    key = new CommandButton(tr("user\n%1").arg(number), this);
+    key = new CommandButton(tr("user %1").arg(number), this);
     key->setFixedHeight(kHeight);
     key->setObjectName(QString::fromStdString(sub));
     connect(key, &QPushButton::clicked, this, [this, sub] { emit requested(RunSub{sub}); });
-    row->addWidget(key);
+    grid->addWidget(key, (number - 1) / kInRow, (number - 1) % kInRow);
   }
 }
 

@@ -1,4 +1,4 @@
-// The keys user 1 to user 10: each runs the sub of that name of the machine's macro files.
+// The keys user 1 to user 10, in two rows: each runs the sub of that name of the macro files.
 #pragma once
 
 #include <QWidget>

@@ -1,6 +1,7 @@
 #!/usr/bin/env bash
 # The real cncgui on a real (virtual) display against a real server: it connects, a click on Reset
-# switches the machine's drives on, the window shows something, and it ends when told to.
+# switches the machine's drives on, the window shows something, it ends when told to, and one that is
+# started while a program asks shows the question and answers it by a click on OK.
 #
 #   display_test.sh BIN_FOLDER OUTPUT_FOLDER
 set -euo pipefail
@@ -32,9 +33,11 @@ until_true() {
   done
   return 1
 }
-state_is() { "$bin/cncctl" status | grep -q "^state *$1"; }
+# grep reads to the end: with -q it would break the pipe of a cncctl that still writes.
+state_is() { "$bin/cncctl" status | grep "^state *$1" >/dev/null; }
 
 "$bin/cncserver" --data "$work/data" --socket "$work/server.sock" --listen 127.0.0.1:0 \
+  --set AXIS_X.positiveLimit=80 --set AXIS_Y.positiveLimit=80 --set AXIS_Z.negativeLimit=-20 \
   >"$work/server.log" 2>&1 &
 until_true 10 state_is needs_reset || fail "the server did not start"
 
@@ -55,4 +58,18 @@ colours=$(tail -c +4096 "$out/cncgui.xwd" | od -An -v -tx4 -w4 | sort -u | wc -l
 
 kill -TERM "$gui"
 until_true 5 sh -c "! kill -0 $gui" || fail "cncgui did not end on SIGTERM"
-echo "connected, reset by a click, $colours colours"
+
+"$bin/cncctl" home || fail "the machine did not home"
+printf 'dlgmsg "Go on?"\nmsg "answered by "#5398\nM30\n' >"$work/job.nc"
+"$bin/cncctl" load "$work/job.nc" && "$bin/cncctl" run || fail "the job did not start"
+until_true 10 state_is question || fail "the job did not ask"
+"$bin/cncgui" >"$work/gui.log" 2>&1 &
+# The key is there once the window has connected and the dialog lies over the program list.
+click_ok() {
+  xdotool mousemove 146 190 click 1
+  sleep 0.3
+  state_is ready
+}
+until_true 15 click_ok || fail "a click on OK did not answer the question"
+"$bin/cncctl" messages | grep "answered by 1" >/dev/null || fail "the program did not see OK"
+echo "connected, reset by a click, $colours colours, question answered by a click"

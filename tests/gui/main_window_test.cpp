@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "gui/job_panel.h"
+#include "gui/style.h"
 #include "tests/gui/support.h"
 
 namespace cnc::gui::test {
@@ -246,6 +247,7 @@ TEST_CASE("A refused command is shown with its reason", "[gui][GUI-2]") {
 }
 
 TEST_CASE("Everything fits on 1024 x 768, with three axes and with six", "[gui][GUI-10]") {
+  set_up_look(application());  // with the sizes that the operator gets
   Screen screen;
   const auto axes = GENERATE(3U, 6U);
   MachineFacts facts = facts_with({Axis::X, Axis::Y, Axis::Z, Axis::A, Axis::B, Axis::C});

@@ -4,6 +4,7 @@
 #include <catch2/catch.hpp>
 
 #include "gui/main_window.h"
+#include "gui/style.h"
 #include "tests/gui/support.h"
 
 namespace cnc::gui::test {
@@ -193,6 +194,7 @@ TEST_CASE("Up to twenty long fields fit, and Stop and the read-outs stay free",
           "[gui][LNG-4][GUI-10]") {
   const auto fields = GENERATE(0, 1, 6, 7, 12, 20);
   CAPTURE(fields);
+  set_up_look(application());
   Screen screen;
   api::Question question = question_with(7, fields);
   question.title = "Place the probe plate on the work piece and say how high it is above the table";
