@@ -21,11 +21,9 @@
 #include "cnc/v1/job.pb.h"
 #include "cnc/v1/messages.pb.h"
 #include "cnc/v1/status.pb.h"
+#include "tests/patience.h"
 
 namespace cnc::test {
-
-/// No test waits longer than this for anything; far more than anything takes.
-inline constexpr std::chrono::seconds kPatience{20};
 
 struct FakeMachine {
   std::mutex mutex;

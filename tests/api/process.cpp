@@ -1,5 +1,6 @@
 #include "tests/api/process.h"
 
+#include <chrono>
 #include <fcntl.h>
 #include <fstream>
 #include <iterator>
@@ -10,7 +11,7 @@
 #include <thread>
 #include <unistd.h>
 
-#include "tests/api/fake_server.h"
+#include "tests/patience.h"
 
 namespace cnc::test {
 namespace {

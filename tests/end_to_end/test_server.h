@@ -8,11 +8,9 @@
 #include "api/client.h"
 #include "tests/config/temporary_directory.h"
 #include "tests/end_to_end/child_process.h"
+#include "tests/patience.h"
 
 namespace cnc::test {
-
-/// Longer than anything that a test waits for takes on a busy computer.
-inline constexpr std::chrono::seconds kPatience{30};
 
 /// A small machine that homes and moves in seconds: 80 x 80 x 30 mm. Homed by switch.
 [[nodiscard]] std::vector<std::string> small_machine();
