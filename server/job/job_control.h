@@ -113,6 +113,7 @@ class JobControl {
   [[nodiscard]] JobSignal cycle_probe();
   [[nodiscard]] JobSignal cycle_input();
   [[nodiscard]] JobSignal cycle_spindle();
+  [[nodiscard]] JobSignal signal_of(const Result<void>& deed);
   [[nodiscard]] JobSignal fail_with(Error error);
   void go_on(interp::Answer answer);
   [[nodiscard]] Result<void> change_height_map(const interp::ChangeHeightMap& change,

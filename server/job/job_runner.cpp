@@ -1,74 +1,18 @@
 #include "server/job/job_runner.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 #include <variant>
 
-#include "server/job/surface_speed.h"
-#include "server/job/travel_limits.h"
+#include "server/job/command_roles.h"
+#include "server/job/overloaded.h"
 
 namespace cnc::server {
 
 using interp::SpindleDirection;
 
 namespace {
-
-template <class... Visitors>
-struct Overloaded : Visitors... {
-  using Visitors::operator()...;
-};
-
-/// What a command asks of the runner.
-enum class Role { motion, dwell, feed, path_mode, guard, note, action, unsupported };
-
-Role role_of(const interp::CommandBody& body) {
-  return std::visit(Overloaded{
-                        [](const interp::RapidMove&) { return Role::motion; },
-                        [](const interp::FeedMove&) { return Role::motion; },
-                        [](const interp::ArcMove&) { return Role::motion; },
-                        [](const interp::Dwell&) { return Role::dwell; },
-                        [](const interp::SetFeedRate&) { return Role::feed; },
-                        [](const interp::SetPathMode&) { return Role::path_mode; },
-                        [](const interp::SelectPlane&) { return Role::note; },
-                        [](const interp::UseLengthUnit&) { return Role::note; },
-                        [](const interp::SetWorkOffset&) { return Role::note; },
-                        [](const interp::SetG92Offset&) { return Role::note; },
-                        [](const interp::UseToolLength&) { return Role::note; },
-                        [](const interp::SelectTool&) { return Role::note; },
-                        [](const interp::EnableOverrides&) { return Role::note; },
-                        [](const interp::Message&) { return Role::note; },
-                        [](const interp::SetSpindleSpeed&) { return Role::note; },
-                        [](const interp::UseSurfaceSpeed&) { return Role::note; },
-                        [](const interp::OpenLogFile&) { return Role::note; },
-                        [](const interp::StorePosition&) { return Role::note; },
-                        [](const interp::SetOverride&) { return Role::note; },
-                        [](const interp::SelectHead&) { return Role::note; },
-                        [](const interp::UseHomeSensorsAsEstop&) { return Role::note; },
-                        [](const interp::SetGuard&) { return Role::guard; },
-                        [](const interp::ClampAxis&) { return Role::action; },
-                        [](const interp::StoreHeadOffset&) { return Role::action; },
-                        [](const interp::ProbeMove&) { return Role::action; },
-                        [](const interp::SyncMove&) { return Role::motion; },
-                        [](const interp::AskOperator&) { return Role::action; },
-                        [](const interp::HomeAxis&) { return Role::action; },
-                        [](const interp::ChangeHeightMap&) { return Role::action; },
-                        [](const interp::Synchronise&) { return Role::action; },
-                        [](const interp::EnableDrives&) { return Role::action; },
-                        [](const interp::SetOutput&) { return Role::action; },
-                        [](const interp::SetAnalogOutput&) { return Role::action; },
-                        [](const interp::SetSpindleOutput&) { return Role::action; },
-                        [](const interp::ReadInput&) { return Role::action; },
-                        [](const interp::SetCoolant&) { return Role::note; },
-                        [](const interp::TurnSpindle&) { return Role::action; },
-                        [](const interp::ChangeTool&) { return Role::action; },
-                        [](const interp::ProgramStop&) { return Role::action; },
-                        [](const interp::ProgramEnd&) { return Role::action; },
-                        [](const auto&) { return Role::unsupported; },
-                    },
-                    body);
-}
 
 JobEvent event_of(const interp::Command& command) {
   JobEvent event{command, {}};
@@ -206,11 +150,6 @@ void JobRunner::fill_planner() {
   }
 }
 
-/// Whoever only renders a program lets a probe move run to its end.
-bool JobRunner::is_motion(const interp::CommandBody& body) const {
-  return mode_ != interp::RunMode::run && std::holds_alternative<interp::ProbeMove>(body);
-}
-
 void JobRunner::take(const interp::Command& command) {
   if (std::holds_alternative<interp::SyncMove>(command.body)) return take_sync_move(command);
   queue_thread(false);
@@ -264,113 +203,6 @@ void JobRunner::take_sync_move(const interp::Command& command) {
   thread_move_ = command;
   if (std::exchange(in_thread_, true) || mode_ != interp::RunMode::run) return;
   pending_action_ = event_of(command);
-}
-
-void JobRunner::queue_thread(bool goes_on) {
-  if (thread_move_) {
-    const interp::Command command = *std::exchange(thread_move_, std::nullopt);
-    if (auto queued = queue_sync_move(command, goes_on); !queued)
-      fail_with(std::move(queued.error()), command.source);
-  }
-  in_thread_ = in_thread_ && goes_on;
-}
-
-Result<void> JobRunner::queue_sync_move(const interp::Command& command, bool goes_on) {
-  const auto& move = std::get<interp::SyncMove>(command.body);
-  const double rpm = mode_ == interp::RunMode::run ? measured_speed_ : 60.0 * turns_per_second();
-  motion::MoveOptions options = options_for(command, motion::MoveKind::feed, move.end);
-  options.feed = move.pitch * rpm / 60.0;
-  options.follows_override = false;
-  options.stop_at_end = !goes_on;
-  options.laf_angle = 180.0;  // a thread goes on through its tapers
-  options.tag.spindle_speed = mode_ == interp::RunMode::run ? rpm : 0.0;
-  options.tag.begins_at_index = std::exchange(begins_at_index_, false);
-  if (auto possible = check_thread_speed(config_, move.end - planner_.queue_end(), options.feed);
-      !possible)
-    return possible;
-  return queue_line(move.end, options);
-}
-
-Result<void> JobRunner::queue_motion(const interp::Command& command) {
-  return std::visit(
-      Overloaded{
-          [&](const interp::RapidMove& move) -> Result<void> {
-            return queue_line(move.end, options_for(command, motion::MoveKind::rapid, move.end));
-          },
-          [&](const interp::FeedMove& move) -> Result<void> {
-            return queue_line(move.end, options_for(command, motion::MoveKind::feed, move.end));
-          },
-          [&](const interp::ProbeMove& move) -> Result<void> {
-            return queue_line(move.end, options_for(command, motion::MoveKind::feed, move.end));
-          },
-          [&](const interp::ArcMove& move) -> Result<void> {
-            return queue_arc(
-                {move.end, move.plane, move.first_centre, move.second_centre, move.turns},
-                options_for(command, motion::MoveKind::feed, move.end));
-          },
-          [](const auto&) -> Result<void> { return {}; },
-      },
-      command.body);
-}
-
-Result<void> JobRunner::queue_line(const Position& end, const motion::MoveOptions& options) {
-  const Position start = planner_.queue_end();
-  if (auto inside = check_space(motion::extents_of_line(start, end)); !inside) return inside;
-  if (guards_tool_change_) {
-    if (auto clear = check_tool_change_area(config_.tool_change_area, start, end); !clear)
-      return clear;
-  }
-  return planner_.add_line(end, options);
-}
-
-Result<void> JobRunner::queue_arc(const motion::ArcShape& shape,
-                                  const motion::MoveOptions& options) {
-  const auto arc = motion::make_arc(planner_.queue_end(), shape);
-  if (!arc) return std::unexpected(arc.error());
-  const auto extents = motion::extents_of_arc(*arc);
-  if (auto inside = check_space(extents); !inside) return inside;
-  if (guards_tool_change_) {
-    if (auto clear = check_tool_change_area(config_.tool_change_area, extents); !clear)
-      return clear;
-  }
-  return planner_.add_arc(shape, options);
-}
-
-/// MCAGuard off concerns rendering only: a run never leaves the travel.
-Result<void> JobRunner::check_space(const motion::Extents& extents) const {
-  if (!guards_machine_ && mode_ != interp::RunMode::run) return {};
-  return check_travel(config_, extents);
-}
-
-motion::MoveOptions JobRunner::options_for(const interp::Command& command, motion::MoveKind kind,
-                                           const Position& end) {
-  motion::MoveOptions options;
-  options.kind = kind;
-  options.feed = feed_for(end);
-  options.stop_at_end = path_mode_.mode == interp::PathMode::exact_stop;
-  options.laf_angle = path_mode_.laf_angle;
-  options.tag = {++last_move_, command.source.file == 0 ? command.source.line : 0};
-  return options;
-}
-
-/// Of the spindle where the tool is. The turning axis is at work X = 0.
-double JobRunner::turns_per_second() const {
-  constexpr double kSecondsPerMinute = 60.0;
-  double rpm = spindle_speed_;
-  if (surface_speed_) {
-    const double radius = std::abs(interpreter_.to_work(planner_.queue_end())[Axis::X]);
-    rpm = surface_rpm(*surface_speed_, radius, config_.spindle.max_speed);
-  }
-  return rpm / kSecondsPerMinute;
-}
-
-/// The feed along the path in mm/s. Inverse time: the whole move takes 1/F.
-double JobRunner::feed_for(const Position& end) const {
-  if (feed_.mode == interp::FeedMode::per_revolution) return feed_.feed * turns_per_second();
-  if (feed_.mode == interp::FeedMode::per_minute) return feed_.feed;
-  const Position way = end - planner_.queue_end();
-  const double length = linear_length(way);
-  return feed_.feed * (length > 0.0 ? length : rotary_length(way));
 }
 
 void JobRunner::fail_with(Error error, interp::SourceLine source) {

@@ -1,9 +1,8 @@
-// Commands: what is asked of the machine, and whether it is allowed now.
+// The machine as an object: what it is made of, who may ask what, who waits for what, and how it
+// comes to rest. Commands are in machine_commands.cpp, the cycle in machine_cycle.cpp.
 #include "server/machine/machine.h"
 
 #include <algorithm>
-#include <cmath>
-#include <fmt/format.h>
 #include <utility>
 
 #include "config/ini_file.h"
@@ -12,11 +11,21 @@
 namespace cnc::server {
 namespace {
 
-Result<void> check_factor(std::string_view name, double value, double highest) {
-  if (value >= 0.0 && value <= highest) return {};
-  return fail(ErrorCode::value_out_of_range,
-              fmt::format("The {} override is {} %; it can be 0 to {} %.", name, 100.0 * value,
-                          100.0 * highest));
+/// Spindle 0 has none: the others' offsets count from it.
+config::HeadOffset config::MachineConfig::*setting_of(interp::Head head) {
+  switch (head) {
+    case interp::Head::spindle_0:
+      return nullptr;
+    case interp::Head::spindle_1:
+      return &config::MachineConfig::spindle_1;
+    case interp::Head::spindle_2:
+      return &config::MachineConfig::spindle_2;
+    case interp::Head::probe:
+      return &config::MachineConfig::probe;
+    case interp::Head::camera:
+      return &config::MachineConfig::camera;
+  }
+  return nullptr;
 }
 
 }  // namespace
@@ -90,171 +99,19 @@ void Machine::answer_saved() {
   }
 }
 
-void Machine::reset(Completion done) {
-  if (auto allowed = allow(CommandKind::reset); !allowed) return done(allowed);
-  wait_for(WaitFor::reset, std::move(done));
-  reset_wanted_ = true;
-  begin_stop();
-  reset_deadline_ = 0.0;  // counts from when the machine stands
-}
-
-void Machine::home(std::vector<Axis> axes, Completion done) {
-  if (auto allowed = allow(CommandKind::home); !allowed) return done(allowed);
-  const bool all = axes.empty();
-  if (all) axes = Homing::default_order(data_.config);
-  for (const Axis axis : axes)
-    if (!data_.config.axes[axis].connected())
-      return done(
-          fail(ErrorCode::axis_not_connected,
-               fmt::format("Axis {} is not connected; it cannot be homed.", axis_name(axis))));
-  wait_for(WaitFor::home, std::move(done));
-  load_macros();
-  if (auto text = homing_subs(axes, all)) return run_text(std::move(*text), "homing");
-  for (const Axis axis : axes) homed_[axis] = false;
-  homing_.start(std::move(axes));
-  enter(State::homing);
-}
-
-/// Homing as the macro files have it (HOM-3); nothing when they lack a sub for one of the axes.
-std::optional<std::string> Machine::homing_subs(const std::vector<Axis>& axes, bool all) const {
-  if (all && has_sub("home_all")) return "gosub home_all";
-  std::string text;
-  for (const Axis axis : axes) {
-    const std::string sub = fmt::format("home_{}", axis_name(axis));
-    if (!has_sub(sub)) return std::nullopt;
-    text += fmt::format("gosub {}\n", sub);
-  }
-  return text;
-}
-
-void Machine::mdi(const std::string& line, Completion done) {
-  if (auto allowed = allow(CommandKind::mdi); !allowed) return done(allowed);
-  if (line.empty()) return done(fail(ErrorCode::program_empty, "The line is empty."));
-  wait_for(WaitFor::mdi, std::move(done));
-  load_macros();
-  run_text(line, "single line");
-}
-
-void Machine::run_sub(std::string_view name, Completion done) {
-  const CommandKind kind = name.starts_with("home_") ? CommandKind::home : CommandKind::mdi;
-  if (auto allowed = allow(kind); !allowed) return done(allowed);
-  load_macros();
-  if (!has_sub(name)) {
-    return done(
-        fail(ErrorCode::sub_unknown, fmt::format("There is no sub {} in the macro files.", name)));
-  }
-  wait_for(WaitFor::mdi, std::move(done));
-  run_text(fmt::format("gosub {}", name), std::string(name));
-}
-
-/// `text` is not empty.
-void Machine::run_text(std::string text, std::string name) {
-  single_line_ = true;
-  job_.start(interp::Program::from_text(std::move(text), std::move(name)).value(),
-             JobControl::Kind::single_line);
-  enter(State::mdi);
-}
-
-Result<void> Machine::answer(std::uint64_t question, bool confirmed, std::vector<double> values) {
-  if (auto allowed = allow(CommandKind::answer); !allowed) return allowed;
-  const interp::Dialog* dialog = job_.question();
-  if (question != question_ || dialog == nullptr) {
-    return fail(ErrorCode::no_question,
-                "This question is not asked any more: look at the status for the present one.");
-  }
-  if (!values.empty() && values.size() != dialog->fields.size()) {
-    return fail(ErrorCode::value_out_of_range,
-                fmt::format("The question has {} fields; the answer has {} values.",
-                            dialog->fields.size(), values.size()));
-  }
-  for (const double value : values)
-    if (!std::isfinite(value))
-      return fail(ErrorCode::value_out_of_range, "A value of the answer is not a number.");
-  if (auto refused = job_.refusal_of_answer(confirmed, values)) return std::unexpected(*refused);
-  job_.answer_question(confirmed, std::move(values));
-  enter(working_state());
-  return {};
-}
-
-/// Reads the macro files again if one of them has changed. One that cannot be read is told, and
-/// what was loaded before stays.
-void Machine::load_macros() {
-  std::vector<std::filesystem::file_time_type> times;
-  for (const auto& path : data_.macro_files) {
-    std::error_code missing;
-    times.push_back(std::filesystem::last_write_time(path, missing));
-  }
-  if (times == macro_times_) return;
-  macro_times_ = std::move(times);
-  interp::Library macros;
-  for (const auto& path : data_.macro_files) {
-    std::error_code ignored;
-    if (!std::filesystem::exists(path, ignored)) continue;
-    auto program = interp::Program::open(path);
-    if (!program) return log_.add(program.error());
-    macros.push_back(std::move(*program));
-  }
-  use_macros(std::move(macros));
-}
-
-void Machine::use_macros(interp::Library macros) {
-  macros_ = std::move(macros);
-  interpreter_.set_library(macros_);
-  const auto& warnings = interpreter_.library_warnings();
-  if (warnings.empty()) return;
-  log_.add(Severity::warning, fmt::format("{} remarks on the macro files, first: {}",
-                                          warnings.size(), warnings[0].to_error().to_string()));
-}
-
 /// Into the machine's configuration and its file; only this, not what the command line has changed.
 Result<void> Machine::keep_head(const interp::StoreHeadOffset& store) {
-  const auto put = [&](config::MachineConfig& config) {
-    const config::HeadOffset offset{store.offset[Axis::X], store.offset[Axis::Y],
-                                    store.offset[Axis::Z]};
-    switch (store.head) {
-      case interp::Head::spindle_1:
-        config.spindle_1 = offset;
-        break;
-      case interp::Head::spindle_2:
-        config.spindle_2 = offset;
-        break;
-      case interp::Head::probe:
-        config.probe = offset;
-        break;
-      case interp::Head::camera:
-        config.camera = offset;
-        break;
-      case interp::Head::spindle_0:
-        break;  // the one that offsets count from
-    }
-  };
-  put(data_.config);
+  const auto member = setting_of(store.head);
+  if (member == nullptr) return {};
+  const config::HeadOffset offset{store.offset[Axis::X], store.offset[Axis::Y],
+                                  store.offset[Axis::Z]};
+  data_.config.*member = offset;
   if (data_.config_file.empty()) return {};
   auto on_disk = config::load_machine_config(data_.config_file);
   if (!on_disk) return std::unexpected(on_disk.error().front());
-  put(*on_disk);
+  (*on_disk).*member = offset;
   if (auto saved = config::save_machine_config(data_.config_file, *on_disk); !saved)
     return std::unexpected(saved.error().front());
-  return {};
-}
-
-bool Machine::has_sub(std::string_view name) const {
-  return std::ranges::any_of(
-      macros_, [&](const auto& macros) { return macros->flow().find_sub(name).mark != nullptr; });
-}
-
-Result<void> Machine::load(std::shared_ptr<const interp::Program> program, std::string path) {
-  if (auto allowed = allow(CommandKind::load); !allowed) return allowed;
-  if (job_.active())
-    return fail(ErrorCode::command_not_allowed, "A program waits for the operator: end it first.");
-  program_ = std::move(program);
-  program_path_ = std::move(path);
-  elapsed_ = move_began_ = 0.0;
-  move_ = line_ = runs_ = 0;
-  ended_well_ = false;
-  analyse();
-  log_.add(Severity::info,
-           fmt::format("Loaded {} ({} lines).", program_path_, program_->line_count()));
   return {};
 }
 
@@ -266,119 +123,6 @@ void Machine::analyse() {
   if (program_ && data_.analyse_jobs)
     analysis_ = std::make_unique<JobAnalysis>(PredictionInput{
         data_.config, program_, data_.parameters, data_.tools, feed_.commanded(), macros_});
-}
-
-Result<void> Machine::run() {
-  if (auto allowed = allow(CommandKind::run); !allowed) return allowed;
-  if (!program_) return fail(ErrorCode::no_job, "No job is loaded: load a file first.");
-  load_macros();
-  elapsed_ = move_began_ = 0.0;
-  move_ = line_ = 0;
-  single_line_ = false;
-  job_.start(program_, JobControl::Kind::job);
-  enter(State::running);
-  return {};
-}
-
-void Machine::pause(Completion done) {
-  if (auto allowed = allow(CommandKind::pause); !allowed) return done(allowed);
-  wait_for(WaitFor::pause, std::move(done));
-  job_.hold();
-  enter(State::pausing);
-}
-
-Result<void> Machine::resume() {
-  if (auto allowed = allow(CommandKind::resume); !allowed) return allowed;
-  job_.resume();
-  enter(working_state());
-  return {};
-}
-
-void Machine::stop(Completion done) {
-  if (auto allowed = allow(CommandKind::stop); !allowed) return done(allowed);
-  wait_for(WaitFor::rest, std::move(done));
-  begin_stop();
-}
-
-Result<void> Machine::rewind() {
-  if (auto allowed = allow(CommandKind::rewind); !allowed) return allowed;
-  elapsed_ = move_began_ = 0.0;
-  move_ = line_ = 0;
-  return {};
-}
-
-Result<void> Machine::jog(const Position& rates, double lease) {
-  if (auto allowed = allow(CommandKind::jog); !allowed) return allowed;
-  for (const Axis axis : kAllAxes)
-    if (rates[axis] != 0.0)
-      if (auto free = check_clamp(axis); !free) return free;
-  if (auto set = jog_.set_rates(rates, now_ + lease, homed_); !set) return set;
-  if (jog_.active()) enter(State::jogging);
-  return {};
-}
-
-Result<void> Machine::jog_step(Axis axis, double distance, double rate) {
-  if (auto allowed = allow(CommandKind::jog); !allowed) return allowed;
-  if (auto free = check_clamp(axis); !free) return free;
-  if (auto stepped = jog_.step(axis, distance, rate, homed_); !stepped) return stepped;
-  if (jog_.active()) enter(State::jogging);
-  return {};
-}
-
-Result<void> Machine::check_clamp(Axis axis) const {
-  if (!job_.clamped()[axis]) return {};
-  return fail(ErrorCode::axis_clamped,
-              fmt::format("Axis {} is clamped (M26): M27 releases it.", axis_name(axis)));
-}
-
-void Machine::jog_stop() { jog_.stop(); }
-
-Result<Overrides> Machine::set_overrides(const Overrides& overrides) {
-  constexpr double kHighest = 3.0;
-  for (const auto& checked :
-       {check_factor("feed", overrides.feed, kHighest), check_factor("rapid", overrides.rapid, 1.0),
-        check_factor("speed", overrides.speed, kHighest)})
-    if (!checked) return std::unexpected(checked.error());
-  job_.set_overrides(overrides);
-  return overrides;
-}
-
-/// G10 L20 for the active system, by the interpreter itself: there is one rule for offsets.
-Result<void> Machine::set_work_zero(const std::vector<WorkCoordinate>& coordinates) {
-  if (auto allowed = allow(CommandKind::set_work_zero); !allowed) return allowed;
-  if (coordinates.empty())
-    return fail(ErrorCode::value_out_of_range, "Name at least one axis to set the work zero of.");
-  const double unit = interp::millimetres_per(interpreter_.modal().unit);
-  std::string line = fmt::format("G10 L20 P{}", data_.parameters.active_system());
-  for (const auto& [axis, value] : coordinates)
-    line += fmt::format(" {}{:.9f}", axis_name(axis), is_rotary(axis) ? value : value / unit);
-  return interpret_now(line);
-}
-
-/// A line that only changes the interpreter's state and moves nothing.
-Result<void> Machine::interpret_now(std::string line) {
-  auto program = interp::Program::from_text(std::move(line), "work zero");
-  if (!program) return std::unexpected(program.error());
-  interpreter_.start(std::move(*program), feed_.commanded());
-  for (;;) {
-    switch (interpreter_.next()) {
-      case interp::Progress::command:
-      case interp::Progress::working:
-      case interp::Progress::waiting:
-      case interp::Progress::found:
-        break;
-      case interp::Progress::failed: {
-        Error error = interpreter_.diagnostic().to_error();
-        interpreter_.stop();
-        return std::unexpected(std::move(error));
-      }
-      case interp::Progress::ended:
-        interpreter_.stop();
-        save_parameters();
-        analyse();
-        return {};
-    }
-  }
 }
 
 void Machine::shut_down() {

@@ -29,6 +29,10 @@ constexpr std::array kFaultTexts{
               "connected to the Sync input."},
 };
 
+std::unexpected<Error> stopped_by_operator() {
+  return fail(ErrorCode::command_interrupted, "Stopped by the operator.");
+}
+
 }  // namespace
 
 void Machine::cycle(double now) {
@@ -161,7 +165,7 @@ void Machine::on_job_signal(JobSignal signal) {
       break;
     case JobSignal::standing:
       if (state_ == State::stopping) {
-        end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
+        end_job(stopped_by_operator());
       } else if (state_ == State::pausing) {
         enter(State::paused);
         settle(WaitFor::pause, {});
@@ -198,16 +202,14 @@ void Machine::on_job_signal(JobSignal signal) {
 }
 
 void Machine::wait_for_operator(State state) {
-  if (state_ == State::stopping)
-    return end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
+  if (state_ == State::stopping) return end_job(stopped_by_operator());
   waiting_state_ = state;
   enter(state);
   settle(WaitFor::pause, {});
 }
 
 void Machine::home_for_job() {
-  if (state_ == State::stopping)
-    return end_job(fail(ErrorCode::command_interrupted, "Stopped by the operator."));
+  if (state_ == State::stopping) return end_job(stopped_by_operator());
   const auto [step, axis] = job_.home_request();
   const auto refuse = [&](Error error) {
     log_.add(error);

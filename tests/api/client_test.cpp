@@ -53,10 +53,10 @@ TEST_CASE("Without a word the server is looked for in CNC_SERVER, the runtime fo
   }
   const Environment none("CNC_SERVER", "");
   {
-    const Environment runtime("XDG_RUNTIME_DIR", folder.path());
-    CHECK(api::default_address() == "unix://" + folder.path() + "/cncserver.sock");
+    const Environment runtime("XDG_RUNTIME_DIR", folder.path().string());
+    CHECK(api::default_address() == "unix://" + folder.file("cncserver.sock").string());
   }
-  const Environment missing("XDG_RUNTIME_DIR", folder.path() + "/missing");
+  const Environment missing("XDG_RUNTIME_DIR", folder.file("missing").string());
   CHECK(api::default_address() == "unix:///tmp/cncserver-" + std::to_string(getuid()) + ".sock");
 }
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "tests/api/fake_server.h"
-#include "tests/api/process.h"
+#include "tests/process.h"
 
 namespace cnc::test {
 
@@ -26,7 +26,7 @@ struct CtlFixture {
   [[nodiscard]] Process start(std::vector<std::string> arguments,
                               const std::string& input = "/dev/null") const {
     arguments.insert(arguments.begin(), {CNCCTL, "--server", server.address()});
-    return {arguments, folder.path(), input};
+    return {arguments, folder.file("cncctl").string(), input};
   }
   [[nodiscard]] Outcome run(const std::vector<std::string>& arguments) const {
     return start(arguments).wait();
@@ -36,7 +36,7 @@ struct CtlFixture {
 inline Outcome run_alone(std::vector<std::string> arguments) {
   const TemporaryFolder folder;
   arguments.insert(arguments.begin(), CNCCTL);
-  return Process(arguments, folder.path()).wait();
+  return Process(arguments, folder.file("cncctl").string()).wait();
 }
 
 inline void refuse(CtlFixture& f, const std::string& call) {

@@ -281,7 +281,8 @@ TEST_CASE("run --wait without its server ends; the job is the server's", "[api][
   FakeMachine machine;
   machine.when_run = start_job;
   auto server = std::make_unique<FakeServer>(machine, folder.socket());
-  Process process({CNCCTL, "--server", folder.socket(), "run", "--wait"}, folder.path());
+  Process process({CNCCTL, "--server", folder.socket(), "run", "--wait"},
+                  folder.file("cncctl").string());
   REQUIRE(machine.becomes([](FakeMachine& m) { return m.status.sequence() >= 2; }));
   server.reset();
   CHECK(process.wait().exit_code == kNoServer);
@@ -327,11 +328,11 @@ TEST_CASE("Completion scripts mention every command and compile", "[api][cncctl]
 TEST_CASE("Bash completes commands, their options and the words below them", "[api][cncctl]") {
   const TemporaryFolder folder;
   const Outcome script = run_alone({"completion", "bash"});
-  const std::string path = folder.path() + "/completion";
+  const std::string path = folder.file("completion").string();
   const auto completed = [&](const std::string& words, int index) {
     std::ofstream(path) << script.out << "COMP_WORDS=(" << words << "); COMP_CWORD=" << index
                         << "; _cncctl; echo \"${COMPREPLY[*]}\"\n";
-    return Process({"/bin/bash", path}, folder.path()).wait().out;
+    return Process({"/bin/bash", path}, folder.file("bash").string()).wait().out;
   };
   CHECK(completed("cncctl re", 1) == "reset resume rewind\n");
   CHECK(completed("cncctl override --r", 2) == "--rapid\n");

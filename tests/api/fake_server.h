@@ -21,6 +21,7 @@
 #include "cnc/v1/job.pb.h"
 #include "cnc/v1/messages.pb.h"
 #include "cnc/v1/status.pb.h"
+#include "tests/config/temporary_directory.h"
 #include "tests/patience.h"
 
 namespace cnc::test {
@@ -93,18 +94,8 @@ class FakeServer {
 };
 
 /// A folder that disappears with this object, for sockets.
-class TemporaryFolder {
- public:
-  TemporaryFolder();
-  TemporaryFolder(const TemporaryFolder&) = delete;
-  TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-  ~TemporaryFolder();
-
-  [[nodiscard]] const std::string& path() const { return path_; }
-  [[nodiscard]] std::string socket() const { return "unix://" + path_ + "/server.sock"; }
-
- private:
-  std::string path_;
+struct TemporaryFolder : config::test::TemporaryDirectory {
+  [[nodiscard]] std::string socket() const { return "unix://" + file("server.sock").string(); }
 };
 
 }  // namespace cnc::test

@@ -18,7 +18,7 @@
 
 #include "api/client.h"
 #include "tests/config/temporary_directory.h"
-#include "tests/end_to_end/child_process.h"
+#include "tests/process.h"
 
 namespace {
 
@@ -99,7 +99,7 @@ void print_worst(const char* what, double alone, double watched) {
 int run(const std::string& server_program, std::chrono::seconds time) {
   const cnc::config::test::TemporaryDirectory folder;
   const std::string socket = folder.file("socket").string();
-  const test::ChildProcess server(
+  const test::Process server(
       {server_program, "--data", folder.file("data").string(), "--socket", socket, "--listen",
        "127.0.0.1:0", "--set", "AXIS_X.positiveLimit=80", "--set", "AXIS_Y.positiveLimit=80"},
       folder.file("log").string());

@@ -11,9 +11,9 @@ using namespace cnc::test;
 
 namespace {
 
-ChildProcess start_client(const ServerFolder& folder, std::vector<std::string> arguments) {
+Process start_client(const ServerFolder& folder, std::vector<std::string> arguments) {
   arguments.insert(arguments.begin(), {E2E_CLIENT, folder.address()});
-  return {arguments, folder.file("client.log")};
+  return {arguments, folder.file("client")};
 }
 
 }  // namespace
@@ -25,11 +25,11 @@ TEST_CASE("A jog stops when its client is killed or hangs", "[MAN-1][STA-9][safe
   RunningServer server(folder);
   server.make_ready();
   REQUIRE(server.client.mdi("G53 G0 X0"));
-  const ChildProcess client = start_client(folder, {"jog"});
+  const Process client = start_client(folder, {"jog"});
   const bool jogs = server.watcher.sees([](const MachineStatus& status) {
     return status.state == MachineState::jogging && status.velocity[Axis::X] > 19.9;
   });
-  INFO(client.output());
+  INFO(client.err());
   REQUIRE(jogs);
   client.signal(blow);
   const double struck = server.watcher.newest().time;
@@ -45,7 +45,7 @@ TEST_CASE("A job goes on when the client that started it is killed", "[ARC-1][ST
   RunningServer server(folder);
   server.make_ready();
   const std::string job = folder.write_job("G53 G0 X0\nG91 G1 X40 F1200\nM30\n");
-  const ChildProcess client = start_client(folder, {"run", job});
+  const Process client = start_client(folder, {"run", job});
   REQUIRE(server.watcher.sees([](const MachineStatus& status) {
     return status.state == MachineState::running && status.machine_position[Axis::X] > 5.0;
   }));

@@ -17,20 +17,14 @@ constexpr const char* kAskingJob =
     "G53 G0 X0\n#100 = 5\n#101 = 2\ndlgmsg \"Where to?\" \"Place of X\" 100 \"Place of Y\" 101\n"
     "if [#5398 == 1]\nG53 G0 X#100 Y#101\nelse\nG53 G0 X1\nendif\nM30\n";
 
-ChildProcess start_ctl(const ServerFolder& folder, std::vector<std::string> arguments,
-                       const std::string& log) {
+Process start_ctl(const ServerFolder& folder, std::vector<std::string> arguments,
+                  const std::string& name) {
   arguments.insert(arguments.begin(), {CNCCTL, "--server", folder.address()});
-  return {arguments, folder.file(log)};
+  return {arguments, folder.file(name)};
 }
 
-struct Outcome {
-  std::optional<int> exit_code;
-  std::string output;
-};
 Outcome ctl(const ServerFolder& folder, const std::vector<std::string>& arguments) {
-  ChildProcess process = start_ctl(folder, arguments, "cncctl.log");
-  const auto exit_code = process.exit_code(kPatience);
-  return {exit_code, process.output()};
+  return start_ctl(folder, arguments, "cncctl").wait();
 }
 
 void wait_for_the_question(RunningServer& server) {
@@ -53,12 +47,12 @@ TEST_CASE("A user key of the shipped macros runs", "[LNG-6][e2e]") {
   RunningServer server(folder);
   server.make_ready();
   const Outcome outcome = ctl(folder, {"sub", "user_3"});
-  INFO(outcome.output);
+  INFO(outcome.err);
   CHECK(outcome.exit_code == 0);
-  CHECK_THAT(ctl(folder, {"messages"}).output, Contains("user_3 is free"));
+  CHECK_THAT(ctl(folder, {"messages"}).out, Contains("user_3 is free"));
   const Outcome unknown = ctl(folder, {"sub", "user_11"});
   CHECK(unknown.exit_code == 1);
-  CHECK_THAT(unknown.output, Contains("There is no sub user_11"));
+  CHECK_THAT(unknown.err, Contains("There is no sub user_11"));
 }
 
 TEST_CASE("A job's question is shown and answered from a shell", "[LNG-4][e2e]") {
@@ -73,11 +67,11 @@ TEST_CASE("A job's question is shown and answered from a shell", "[LNG-4][e2e]")
   server.start_job(kAskingJob);
   wait_for_the_question(server);
   CHECK(server.watcher.newest().state == MachineState::question);
-  CHECK_THAT(ctl(folder, {"status"}).output, Contains("question Where to?") &&
-                                                 Contains("Place of X = 5") &&
-                                                 Contains("cncctl answer 5 2"));
+  CHECK_THAT(ctl(folder, {"status"}).out, Contains("question Where to?") &&
+                                              Contains("Place of X = 5") &&
+                                              Contains("cncctl answer 5 2"));
   const Outcome outcome = ctl(folder, words);
-  INFO(outcome.output);
+  INFO(outcome.err);
   CHECK(outcome.exit_code == 0);
   CHECK(ended_at(server, x, y));
 }
@@ -115,7 +109,7 @@ TEST_CASE("Of two answers the second is refused", "[LNG-4][ARC-2][e2e]") {
   CHECK(wrong.error().name == "value_out_of_range");
   REQUIRE(other->answer(server.watcher.newest().question->number, true));
   REQUIRE(server.watcher.sees([](const MachineStatus& status) { return status.job.ended_well; }));
-  CHECK_THAT(ctl(folder, {"answer"}).output, Contains("answer is not possible in state"));
+  CHECK_THAT(ctl(folder, {"answer"}).err, Contains("answer is not possible in state"));
 }
 
 TEST_CASE("A killed client that shows the question loses nothing", "[LNG-4][STA-9][e2e]") {
@@ -123,7 +117,7 @@ TEST_CASE("A killed client that shows the question loses nothing", "[LNG-4][STA-
   RunningServer server(folder);
   server.make_ready();
   REQUIRE(server.client.load(folder.write_job(kAskingJob)));
-  const ChildProcess client = start_ctl(folder, {"run", "--wait"}, "run.log");
+  const Process client = start_ctl(folder, {"run", "--wait"}, "run");
   wait_for_the_question(server);
   const Question question = *server.watcher.newest().question;
   client.signal(SIGKILL);
@@ -141,7 +135,7 @@ TEST_CASE("A stop ends the question and its program, and whoever waits is told",
   RunningServer server(folder);
   server.make_ready();
   REQUIRE(server.client.load(folder.write_job(kAskingJob)));
-  ChildProcess client = start_ctl(folder, {"run", "--wait"}, "run.log");
+  Process client = start_ctl(folder, {"run", "--wait"}, "run");
   wait_for_the_question(server);
   CHECK(ctl(folder, {"stop"}).exit_code == 0);
   REQUIRE(server.watcher.sees([](const MachineStatus& status) {
@@ -150,15 +144,15 @@ TEST_CASE("A stop ends the question and its program, and whoever waits is told",
   CHECK(server.watcher.newest().job.runs == 1);
   CHECK_FALSE(server.watcher.newest().job.ended_well);
   CHECK(client.exit_code(kPatience) == 1);
-  CHECK_THAT(client.output(), Contains("The program asks: Where to?") &&
-                                  Contains("answer it with: cncctl answer 5 2"));
+  CHECK_THAT(client.err(), Contains("The program asks: Where to?") &&
+                               Contains("answer it with: cncctl answer 5 2"));
 }
 
 TEST_CASE("A sub that asks ends with the client that runs it", "[LNG-6][safety][e2e]") {
   const ServerFolder folder;
   RunningServer server(folder);
   server.make_ready();
-  const ChildProcess client = start_ctl(folder, {"sub", "zero_z"}, "sub.log");
+  const Process client = start_ctl(folder, {"sub", "zero_z"}, "sub");
   wait_for_the_question(server);
   CHECK(server.watcher.newest().question->title == "Z zero with the probe plate");
   client.signal(SIGKILL);

@@ -19,12 +19,12 @@ std::string ServerFolder::write_job(std::string_view text) const {
   return file("job.nc");
 }
 
-ChildProcess ServerFolder::start(const std::vector<std::string>& more) const {
+Process ServerFolder::start(const std::vector<std::string>& more) const {
   std::vector<std::string> arguments{CNCSERVER,     "--data", data(),
                                      "--socket",    socket(), "--listen",
                                      "127.0.0.1:0", "--jobs", directory_.path().string()};
   arguments.insert(arguments.end(), more.begin(), more.end());
-  return {arguments, file("server.log")};
+  return {arguments, file("server")};
 }
 
 Watcher::Watcher(const api::Client& client)
@@ -69,7 +69,7 @@ RunningServer::RunningServer(const ServerFolder& server_folder,
       client(api::Client::without_connecting(server_folder.address())),
       watcher(client) {
   const bool answers = watcher.sees(api::MachineState::needs_reset);
-  INFO(process.output());
+  INFO(process.err());
   REQUIRE(answers);
 }
 

@@ -7,8 +7,8 @@
 
 #include "api/client.h"
 #include "tests/config/temporary_directory.h"
-#include "tests/end_to_end/child_process.h"
 #include "tests/patience.h"
+#include "tests/process.h"
 
 namespace cnc::test {
 
@@ -28,7 +28,7 @@ class ServerFolder {
   std::string write_job(std::string_view text) const;
 
   /// Starts a server; does not wait for it.
-  [[nodiscard]] ChildProcess start(const std::vector<std::string>& more = small_machine()) const;
+  [[nodiscard]] Process start(const std::vector<std::string>& more = small_machine()) const;
 
  private:
   config::test::TemporaryDirectory directory_;
@@ -64,7 +64,7 @@ struct RunningServer {
                          const std::vector<std::string>& more = small_machine());
 
   const ServerFolder& folder;
-  ChildProcess process;
+  Process process;
   api::Client client;
   Watcher watcher;
 

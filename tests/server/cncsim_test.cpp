@@ -5,8 +5,8 @@
 #include <nlohmann/json.hpp>
 #include <sstream>
 
-#include "tests/api/process.h"
 #include "tests/config/temporary_directory.h"
+#include "tests/process.h"
 
 using namespace cnc::test;
 using Catch::Contains;
@@ -40,7 +40,7 @@ constexpr Axis kAxes[] = {
 Outcome cncsim(std::vector<std::string> arguments) {
   const TemporaryDirectory folder;
   arguments.insert(arguments.begin(), CNCSIM);
-  return Process(arguments, folder.path()).wait();
+  return Process(arguments, folder.file("cncsim").string()).wait();
 }
 
 /// A program as a file, and room for what cncsim writes.
