@@ -100,11 +100,22 @@ class Checker {
       report_.cancelled = true;
       return false;
     }
-    if (options_.line_budget == 0 || interpreter_.lines_run() < options_.line_budget) return true;
+    if (options_.progress && interpreter_.lines_run() >= next_progress_) tell_progress();
+    const std::uint64_t repeated = interpreter_.lines_since_new();
+    if (options_.max_loop_lines == 0 || repeated < options_.max_loop_lines) return true;
     add_warning(ErrorCode::check_incomplete, interpreter_.next_line(),
-                fmt::format("The check ended after {} lines; the program goes on.",
-                            interpreter_.lines_run()));
+                fmt::format("The check was given up after {} lines in loops and subs without "
+                            "coming to a new line.",
+                            repeated),
+                "A loop that ends, or more lines with cncsim check --max-loop-lines.");
     return false;
+  }
+
+  void tell_progress() {
+    constexpr std::uint64_t kEvery = 10'000;
+    next_progress_ = interpreter_.lines_run() + kEvery;
+    options_.progress(
+        {interpreter_.next_line(), interpreter_.lines_run(), interpreter_.lines_since_new()});
   }
 
   void use(const Command& command) {
@@ -127,6 +138,7 @@ class Checker {
 
   /// Where a cut begins belongs to it; a cut behind another begins at its end.
   void begin_cut() {
+    feed_was_missed_ = false;
     if (!std::exchange(is_cutting_, true)) report_.cutting.add(position_);
   }
 
@@ -146,16 +158,21 @@ class Checker {
     position_ = end;
   }
 
+  // No line with a feed move can be right until F is there: that is one error.
   void add_error(const Diagnostic& diagnostic) {
+    const bool lacks_feed = diagnostic.code == ErrorCode::feed_not_set;
+    if (lacks_feed && std::exchange(feed_was_missed_, true)) return;
     if (!seen_.insert({diagnostic.file, diagnostic.line, diagnostic.code}).second) return;
     report_.errors.push_back(diagnostic);
   }
 
-  void add_warning(ErrorCode code, std::uint32_t line, std::string sentence) {
+  void add_warning(ErrorCode code, std::uint32_t line, std::string sentence,
+                   std::string allowed = {}) {
     Diagnostic warning;
     warning.code = code;
     warning.severity = Severity::warning;
     warning.sentence = std::move(sentence);
+    warning.allowed = std::move(allowed);
     warning.file = name_;
     warning.line = line;
     report_.warnings.push_back(std::move(warning));
@@ -174,7 +191,9 @@ class Checker {
   Interpreter& interpreter_;
   std::string name_;
   Position position_;
-  bool is_cutting_ = false;  ///< up to position_
+  bool is_cutting_ = false;       ///< up to position_
+  bool feed_was_missed_ = false;  ///< said, and no move at feed rate since
+  std::uint64_t next_progress_ = 0;
   CheckReport report_;
   std::set<std::tuple<std::string, std::uint32_t, ErrorCode>> seen_;
 };

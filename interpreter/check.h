@@ -12,14 +12,26 @@
 
 namespace cnc::interp {
 
+inline constexpr std::uint64_t kMaxLoopLines = 10'000'000;
+
+/// How far a check has come.
+struct CheckProgress {
+  std::uint32_t line = 0;  ///< of the file that is read next
+  std::uint64_t lines_run = 0;
+  std::uint64_t lines_since_new = 0;  ///< 0 outside of loops and subs
+};
+
 struct CheckOptions {
   std::size_t max_errors = 100;
-  /// Lines to run, counted in every round of a loop; 0 = no limit.
-  std::uint64_t line_budget = 500'000'000;
+  /// Lines to run in loops and subs without coming to a new line of the program: seconds. A file of
+  /// any length without loops is checked to its end. 0 = no limit.
+  std::uint64_t max_loop_lines = kMaxLoopLines;
   /// Called with every command; empty = nobody wants them.
   std::function<void(const Command&)> sink;
-  /// Set by another thread to give up.
+  /// Set by another thread, or a signal, to give up.
   const std::atomic<bool>* cancel = nullptr;
+  /// Called every few thousand lines; empty = nobody wants to know.
+  std::function<void(const CheckProgress&)> progress;
 };
 
 /// Smallest and largest value of each axis, machine coordinates. Empty until something was added.

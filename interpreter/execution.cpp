@@ -14,6 +14,8 @@ namespace {
 /// A program without moves in its contour cannot fill the memory behind a held-back move.
 constexpr std::size_t kMaxHeldBack = 1000;
 
+constexpr std::int32_t kLastPlainMotion = 30;  // G0 G1 G2 G3
+
 /// Where a move leads; nothing for a command that is no move.
 [[nodiscard]] const Position* end_of(const CommandBody& body) {
   return std::visit(
@@ -77,7 +79,6 @@ Accepted Execution::run_steps(StepSet steps) {
 bool Execution::is_plain(StepSet steps) const {
   constexpr StepSet kPlainSteps =
       Block::step_bit(Step::comment) | Block::step_bit(Step::feed) | Block::step_bit(Step::motion);
-  constexpr std::int32_t kLastPlainMotion = 30;  // G0 G1 G2 G3
   if ((steps & ~kPlainSteps) != 0 || state_.modal.compensation != CompensationSide::off)
     return false;
   return !block_->has(Step::motion) || block_->code(Step::motion).number <= kLastPlainMotion;
@@ -104,6 +105,31 @@ void Execution::undo(const Before& before) {
   writes_.clear();
   measured_head_.reset();
   program_ended_ = false;
+}
+
+void Execution::assume_done(const Block& block, SourceLine source) {
+  constexpr auto kModes =
+      std::to_array<Step>({Step::feed_mode, Step::feed, Step::spindle_mode, Step::speed,
+                           Step::plane, Step::units, Step::distance_mode, Step::arc_distance_mode});
+  const std::size_t commands = commands_.size();
+  StepSet others =
+      block.steps() & ~(Block::step_bit(Step::motion) | Block::step_bit(Step::comment));
+  for (const Step step : kModes) {
+    if (block.has(step)) static_cast<void>(run(block, source, Block::step_bit(step)));
+    others &= ~Block::step_bit(step);
+  }
+  const std::int32_t motion =
+      block.has(Step::motion) ? block.code(Step::motion).number : state_.modal.motion;
+  if (motion <= kLastPlainMotion) {
+    const bool compensated = state_.modal.compensation != CompensationSide::off;
+    if (others == 0 && !compensated && (block.words() & kAxisWords) != 0) {
+      Block rapid = block;
+      rapid.put_code(*find_g_code(0), {});
+      static_cast<void>(run(rapid, source, Block::step_bit(Step::motion)));
+    }
+    state_.modal.motion = motion;
+  }
+  commands_.resize(commands, Command{ProgramEnd{}, source_});
 }
 
 void Execution::drop_commands(std::size_t count) {

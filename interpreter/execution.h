@@ -45,6 +45,9 @@ class Execution {
   /// Whether the last line that did anything ended with a stop: M0.
   [[nodiscard]] bool stopped_last() const { return stopped_last_; }
   void forget_steps() { steps_left_ = 0; }
+  /// Takes over what a refused line has meant: its modes, its feed and the end of its move, as far
+  /// as each of them can be carried out. Gives no commands.
+  void assume_done(const Block& block, SourceLine source);
   /// What tolerate() has let pass in the last run().
   [[nodiscard]] Habit habit() const { return habit_; }
   [[nodiscard]] Span habit_span() const { return habit_span_; }

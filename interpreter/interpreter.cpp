@@ -78,6 +78,7 @@ Position Interpreter::to_work(const Position& machine) const {
 }
 std::uint32_t Interpreter::next_line() const { return impl_->runner.next_line(); }
 std::uint64_t Interpreter::lines_run() const { return impl_->runner.lines_run(); }
+std::uint64_t Interpreter::lines_since_new() const { return impl_->runner.lines_since_new(); }
 bool Interpreter::ran_off_end() const { return impl_->runner.ran_off_end(); }
 
 }  // namespace cnc::interp

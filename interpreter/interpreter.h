@@ -110,8 +110,8 @@ class Interpreter {
   [[nodiscard]] const std::vector<Diagnostic>& warnings() const;
   /// Name of a file of SourceLine: 0 is the job, then the macro files.
   [[nodiscard]] std::string_view file_name(std::uint16_t file) const;
-  /// After `failed`, for checking a program only: goes on with the next line as if the wrong one
-  /// were not there. False when nothing has failed.
+  /// After `failed`, for checking a program only: goes on with the next line. Modes, feed and end
+  /// point of the wrong one hold as far as they are known. False when nothing has failed.
   bool skip_failed_line();
 
   /// Machine position that the program has reached in the interpreter, and after the world moved it
@@ -137,6 +137,9 @@ class Interpreter {
   [[nodiscard]] std::uint32_t next_line() const;
   /// Lines read since start(), every round of a loop counted.
   [[nodiscard]] std::uint64_t lines_run() const;
+  /// Lines run in loops and subs since the program last came to a line that had not run before: a
+  /// program without end is known by it, however long one without loops may be.
+  [[nodiscard]] std::uint64_t lines_since_new() const;
   /// The program has ended at the end of its file, without M2 or M30.
   [[nodiscard]] bool ran_off_end() const;
 

@@ -68,6 +68,7 @@ void Runner::leave_search(const Position& position) {
 
 void Runner::stop() {
   program_ = nullptr;
+  line_ = nullptr;
   calls_.clear();
   cache_.clear();
   execution_.release_held();
@@ -81,6 +82,7 @@ void Runner::stop() {
   ran_off_end_ = false;
   end_was_missed_ = false;
   lines_run_ = 0;
+  lines_since_new_ = 0;
   habits_seen_.reset();
   warnings_.clear();
 }
@@ -88,10 +90,19 @@ void Runner::stop() {
 bool Runner::skip_failed_line() {
   if (!failed_) return false;
   failed_ = false;
-  fails_after_commands_.reset();
   execution_.release_held();
   execution_.forget_steps();
+  // The lines behind rely on the modes and the end point of this one: without these a single
+  // mistake would be told once per line.
+  if (!std::exchange(fails_after_commands_, std::nullopt) && line_ != nullptr) assume_done(*line_);
   return true;
+}
+
+void Runner::assume_done(const Line& line) {
+  if (line.statement != Statement::block) return;
+  static_cast<void>(evaluate(line, access_, evaluation_));  // as far as it can be
+  static_cast<void>(access_.take_wants_live());
+  execution_.assume_done(evaluation_.block, here());
 }
 
 void Runner::enter_file(std::uint16_t file) {
@@ -171,8 +182,7 @@ Accepted Runner::run_line() {
   if (settings_.block_delete && is_skipped()) return {};
   const auto line = parsed_line();
   if (!line) return line_text_.contains('\0') ? refuse_truncated() : std::unexpected(line.error());
-  line_ = *line;
-  return run_parsed(*line_);
+  return run_parsed(**line);
 }
 
 Accepted Runner::run_again() {
@@ -193,6 +203,7 @@ Accepted Runner::run_rest_of_line() {
 // program too, and must not switch off the spindle. A missing M30 is an error once, so that a
 // check, which goes on behind errors, comes to its end.
 Accepted Runner::end_at_end_of_file() {
+  line_ = nullptr;
   const bool misses_end =
       dialect(settings_.dialect).needs_end && !single_line_ && !execution_.stopped_last();
   if (misses_end && !std::exchange(end_was_missed_, true)) {
@@ -210,6 +221,7 @@ Accepted Runner::end_at_end_of_file() {
 }
 
 Accepted Runner::refuse_truncated() {
+  line_ = nullptr;
   line_text_ = {};
   return refuse(
       ErrorCode::program_truncated, {0, 1},
@@ -225,15 +237,18 @@ bool Runner::is_skipped() const {
 
 Parsed<const Line*> Runner::parsed_line() {
   const LineCache::Key key = LineCache::key_of(file_, line_number_);
-  if (const Line* kept = cache_.find(key)) return kept;
+  ++lines_since_new_;
+  if (const Line* kept = cache_.find(key)) return line_ = kept;
   const bool keep = !calls_.empty() || cache_.has_run(line_number_);
+  if (!keep) lines_since_new_ = 0;
   Line& line = keep ? cache_.slot_for(key) : scratch_;
   if (keep) line.block.set_dialect(dialect(settings_.dialect));
+  line_ = &line;
   if (Accepted parsed = parse_line(line_text_, line); !parsed) {
     return std::unexpected(std::move(parsed.error()));
   }
   if (keep) cache_.keep(key);
-  return &line;
+  return line_;
 }
 
 Accepted Runner::run_parsed(const Line& line) {

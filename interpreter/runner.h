@@ -47,6 +47,7 @@ class Runner {
   [[nodiscard]] const MachineState& state() const { return execution_.state(); }
   [[nodiscard]] std::uint32_t next_line() const { return cursor_.line; }
   [[nodiscard]] std::uint64_t lines_run() const { return lines_run_; }
+  [[nodiscard]] std::uint64_t lines_since_new() const { return lines_since_new_; }
   [[nodiscard]] bool ran_off_end() const { return ran_off_end_; }
 
  private:
@@ -81,6 +82,7 @@ class Runner {
   Parsed<bool> evaluate_line(const Line& line);
   Accepted end_at_end_of_file();
   Accepted refuse_truncated();
+  void assume_done(const Line& line);
   [[nodiscard]] Parsed<const Line*> parsed_line();
   [[nodiscard]] bool is_skipped() const;
   [[nodiscard]] SourceLine here() const { return {file_, line_number_}; }
@@ -129,7 +131,7 @@ class Runner {
   Line scratch_;  ///< a line that runs for the first time
   Evaluation evaluation_;
 
-  const Line* line_ = nullptr;  ///< that runs
+  const Line* line_ = nullptr;  ///< that was parsed last
   Block* block_ = nullptr;      ///< of it, completed
   std::unique_ptr<Rest> rest_;  ///< owner of the block, after a sub in the middle of a line
   std::size_t taken_ = 0;       ///< commands of the queue that were handed out
@@ -140,6 +142,7 @@ class Runner {
   bool ran_off_end_ = false;
   bool end_was_missed_ = false;  ///< said once that M00 or M30 is missing
   std::uint64_t lines_run_ = 0;
+  std::uint64_t lines_since_new_ = 0;  ///< run in loops and subs
   Diagnostic diagnostic_;
   std::bitset<32> habits_seen_;
   std::vector<Diagnostic> warnings_;

@@ -203,7 +203,7 @@ void Runner::set_library(const Library& library) {
 /// Executes what stands outside of subs as far as it only sets parameters; everything else of it is
 /// free text (real macro files have both), or code that must not run by itself.
 void Runner::initialise(std::uint16_t file) {
-  constexpr std::uint32_t kMaxLines = 1'000'000;
+  constexpr std::uint32_t kMaxLines = 100'000;
   enter_file(file);
   cursor_ = program_->begin_of(1);
   access_.set_live(true);

@@ -176,7 +176,7 @@ void run_as(RunMode mode, const Input& input, const std::shared_ptr<const Progra
 void check_whole(const Input& input, const std::shared_ptr<const Program>& program) {
   CheckOptions options;
   options.max_errors = 20;
-  options.line_budget = kMaxLines;
+  options.max_loop_lines = kMaxLines;
   options.sink = check_command;
   const CheckReport report = check(program, settings_of(input), {}, {}, {}, options);
   for (const Diagnostic& error : report.errors) {

@@ -52,13 +52,77 @@ TEST_CASE("A wrong line in a loop is listed once, and the list is bounded", "[JO
   CHECK_FALSE(report.complete);
 }
 
+TEST_CASE("A check tells one error per cause: a refused line still sets modes, feed and position",
+          "[JOB-2]") {
+  struct Row {
+    const char* text;
+    std::vector<std::uint32_t> lines;  ///< of the errors
+  };
+  const Row row = GENERATE(values<Row>({
+      {"G1 X1\nX2\nX3\nG2 X5 I1\nM30\n", {1}},             // no F anywhere
+      {"G1 X1\nX2 F100\nG93\nG94\nX3\nX4\nM30\n", {1, 5}},    // missing once more
+      {"G1 X1 F100 Q1\nX2\nX3\nM30\n", {1}},               // G1 and F of the line hold
+      {"G0 X0 Q1\nX1\nM30\n", {1}},                        // G0 instead of G80
+      {"G91 G1 Q1 F9\nX1\nX1\nG90 G2 X4 I1\nM30\n", {1}},  // G91 of it
+      {"G0 X10 Y0 Q1\nG2 X0 I-5 F9\nM30\n", {1}},          // the arc begins at its end
+      {"G0 X10 Y0 !\nG2 X0 I-5 F9\nM30\n", {1}},           // as far as it could be read
+      {"G1 X[1/0] F100\nX2\nM30\n", {1}},                  // as far as it could be computed
+      {"G2 X10 I3 F100\nG2 X0 I-5\nM30\n", {1}},           // the arc behind a wrong arc
+      {"X1\nX2\nG0 X3\nM30\n", {1, 2}},                    // nobody knows what these should be
+  }));
+  INFO(row.text);
+  std::vector<std::uint32_t> lines;
+  for (const Diagnostic& error : check_text(row.text).errors) lines.push_back(error.line);
+  CHECK(lines == row.lines);
+}
+
+TEST_CASE("A check gives a refused line no commands", "[JOB-2]") {
+  CheckOptions options;
+  std::string text;
+  options.sink = [&](const Command& command) { text += interp::text_of(command) + "\n"; };
+  CHECK(check_text("G0 X1\nG1 X2 F60 Q1\nX3\n", options).errors.size() == 1);
+  CHECK(text ==
+        "STRAIGHT_TRAVERSE(1.000000, 0.000000, 0.000000, 0.000000, 0.000000, 0.000000)\n"
+        "STRAIGHT_FEED(3.000000, 0.000000, 0.000000, 0.000000, 0.000000, 0.000000)\n"
+        "PROGRAM_END()\n");
+}
+
+TEST_CASE("Only lines of loops and subs count for the limit of a check", "[JOB-2]") {
+  CheckOptions options;
+  options.max_loop_lines = 100;
+  std::string plain;
+  std::string calls = "sub a\nG0 X1\nG0 X2\nendsub\n";
+  for (int line = 0; line < 1000; ++line) {
+    plain += "G0 X1\n";
+    calls += "gosub a\n";
+  }
+  CHECK(check_text(plain, options).complete);
+  CHECK(check_text(calls, options).complete);  // each gosub is a new line
+  CHECK(check_text("while [#1 < 24]\n#1 = [#1 + 1]\nG0 X#1\nendwhile\n", options).complete);
+  CHECK_FALSE(check_text("while [#1 < 30]\n#1 = [#1 + 1]\nG0 X#1\nendwhile\n", options).complete);
+}
+
+TEST_CASE("A check tells how far it has come", "[JOB-2]") {
+  CheckOptions options;
+  std::vector<CheckProgress> told;
+  options.progress = [&](const CheckProgress& progress) { told.push_back(progress); };
+  std::string text;
+  for (int line = 0; line < 50'000; ++line) text += "G0 X1\n";
+  REQUIRE(check_text(text, options).complete);
+  REQUIRE(told.size() >= 5);
+  CHECK(std::ranges::is_sorted(told, {}, &CheckProgress::line));
+  CHECK(told.back().line > 40'000);
+  CHECK(told.back().lines_since_new == 0);
+}
+
 TEST_CASE("A check ends although the program does not", "[JOB-2]") {
   CheckOptions options;
-  options.line_budget = 10'000;
+  options.max_loop_lines = 10'000;
   const CheckReport report = check_text("while [1]\nG0 X[1-#5001]\nendwhile\n", options);
   CHECK_FALSE(report.complete);
   REQUIRE(report.warnings.size() == 1);
   CHECK(report.warnings[0].code == ErrorCode::check_incomplete);
+  CHECK(report.warnings[0].allowed.find("--max-loop-lines") != std::string::npos);
 
   const std::atomic<bool> cancel = true;
   options.cancel = &cancel;

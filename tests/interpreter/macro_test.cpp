@@ -139,6 +139,7 @@ TEST_CASE("A macro file that runs without end when it is loaded is given up with
   CHECK(test::text_of(outcome) == "DWELL(1.000000)");
   REQUIRE(outcome.library_warnings.size() == 1);
   CHECK(outcome.library_warnings[0].code == ErrorCode::check_incomplete);
+  CHECK(bench.parameters.get(1) == 33'333);  // 100 000 lines, three per round
 }
 
 TEST_CASE("Macro files may have a byte order mark, CRLF, Latin-1 text", "[LNG-6]") {

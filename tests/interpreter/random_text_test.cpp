@@ -14,7 +14,7 @@ void run_bounded(const std::string& text) {
   const auto program = Program::from_text(text, "random");
   if (!program) return;
   CheckOptions options;
-  options.line_budget = 2'000;
+  options.max_loop_lines = 2'000;
   options.max_errors = 50;
   InterpreterSettings settings;
   settings.lines_per_call = 50;
