@@ -71,7 +71,7 @@ Accepted Execution::check(const Answer& answer, const CommandBody& command) cons
   }
   const auto* ask = std::get_if<AskOperator>(&command);
   if (ask == nullptr || !answer.confirmed) return {};
-  const ParameterAccess access(settings_, parameters_, tools_, state_);
+  const ParameterAccess access(settings_, parameters_, tools_, names_, state_);
   const std::vector<DialogField>& fields = ask->dialog->fields;
   for (std::size_t i = 0; i < fields.size() && i < answer.values.size(); ++i) {
     if (is_only_shown(fields[i], answer.values[i])) continue;

@@ -101,12 +101,12 @@ class Checker {
       return false;
     }
     if (options_.progress && interpreter_.lines_run() >= next_progress_) tell_progress();
-    const std::uint64_t repeated = interpreter_.lines_since_new();
-    if (options_.max_loop_lines == 0 || repeated < options_.max_loop_lines) return true;
+    const std::uint64_t most = options_.max_loop_lines;
+    if (most == 0 || interpreter_.lines_since_new() < most) return true;
     add_warning(ErrorCode::check_incomplete, interpreter_.next_line(),
                 fmt::format("The check was given up after {} lines in loops and subs without "
                             "coming to a new line.",
-                            repeated),
+                            most),
                 "A loop that ends, or more lines with cncsim check --max-loop-lines.");
     return false;
   }

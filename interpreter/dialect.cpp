@@ -58,7 +58,8 @@ const Dialect& dialect(DialectId id) {
        .short_radius_is_half_circle = false,
        .radius_is_positive = false,
        .circle_needs_end = true,
-       .needs_end = false},
+       .needs_end = false,
+       .has_names = true},
       {.name = "pscnc",
        .g_codes = kPscncG,
        .m_codes = kPscncM,
@@ -69,7 +70,8 @@ const Dialect& dialect(DialectId id) {
        .short_radius_is_half_circle = true,
        .radius_is_positive = true,
        .circle_needs_end = false,
-       .needs_end = true},
+       .needs_end = true,
+       .has_names = false},
   }};
   return kDialects.at(static_cast<std::size_t>(id));
 }

@@ -26,6 +26,7 @@ struct Dialect {
   bool radius_is_positive;           ///< no negative R for arcs above 180 degrees
   bool circle_needs_end;             ///< "G2 I5": a full circle, with a warning
   bool needs_end;                    ///< the last line of a program is M0 or M30
+  bool has_names;                    ///< #<name>: an extension
 };
 
 [[nodiscard]] const Dialect& dialect(DialectId id);

@@ -48,6 +48,10 @@ class Evaluator {
       return push(apply_binary(op.code, left, right, op.span));
     }
     if (op.code >= OpCode::negate) return push(apply_unary(op.code, pop(), op.span));
+    if (op.code == OpCode::load_named) return push(named(op));
+    if (op.code == OpCode::name_exists) {
+      return push(Parsed<double>(parameters_.names().find(op.argument) ? 1.0 : 0.0));
+    }
     const auto number = parameter_number(pop(), op.span);  // load_indirect
     if (!number) return std::unexpected(number.error());
     push(parameters_.get(*number));
@@ -78,6 +82,15 @@ class Evaluator {
         break;
     }
     return refuse(ErrorCode::internal_error, op.span, "Not a sink.");
+  }
+
+  Parsed<double> named(const Op& op) const {
+    if (const auto value = parameters_.names().find(op.argument)) return *value;
+    const std::string& name = parameters_.names().name_of(op.argument);
+    return refuse(ErrorCode::parameter_unset, op.span, fmt::format("#<{}> has no value yet.", name),
+                  name.front() == '_' ? "#<_name> = value before it is read."
+                                      : "#<name> = value before it is read, in the same sub; "
+                                        "#<_name> holds in all of them.");
   }
 
   Accepted set_indirect(Span span) {

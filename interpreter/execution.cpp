@@ -29,10 +29,11 @@ constexpr std::int32_t kLastPlainMotion = 30;  // G0 G1 G2 G3
 }  // namespace
 
 Execution::Execution(const InterpreterSettings& settings, config::ParameterStore& parameters,
-                     config::ToolTable& tools)
+                     config::ToolTable& tools, ParameterNames& names)
     : settings_(settings),
       parameters_(parameters),
       tools_(tools),
+      names_(names),
       head_offsets_(settings.machine.head_offset) {
   head_offsets_.at(static_cast<std::size_t>(Head::spindle_0)) = {};
 }
@@ -159,7 +160,7 @@ Accepted Execution::check_clamp(double a, std::size_t first) const {
 
 // They have been checked when they were computed; G20 or G21 on their line changes their unit.
 Accepted Execution::check_settings() const {
-  const ParameterAccess access(settings_, parameters_, tools_, state_);
+  const ParameterAccess access(settings_, parameters_, tools_, names_, state_);
   const bool offsets_are_fixed = state_.modal.compensation != CompensationSide::off;
   for (const ParameterSetting& setting : block_->settings()) {
     if (Accepted allowed = access.check(setting); !allowed) return allowed;
@@ -213,11 +214,11 @@ void Execution::ask(Dialog dialog) {
 }
 
 double Execution::parameter(std::int32_t number) const {
-  return ParameterAccess(settings_, parameters_, tools_, state_).get(number);
+  return ParameterAccess(settings_, parameters_, tools_, names_, state_).get(number);
 }
 
 void Execution::set_now(std::int32_t number, double value) {
-  ParameterAccess(settings_, parameters_, tools_, state_).set(number, value);
+  ParameterAccess(settings_, parameters_, tools_, names_, state_).set(number, value);
 }
 
 void Execution::set_six(std::int32_t first, const Position& position) {

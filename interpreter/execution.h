@@ -19,6 +19,7 @@
 #include "interpreter/canonical.h"
 #include "interpreter/interpreter_settings.h"
 #include "interpreter/machine_state.h"
+#include "interpreter/parameter_names.h"
 #include "interpreter/refusal.h"
 
 namespace cnc::interp {
@@ -36,7 +37,7 @@ inline constexpr bool kMayBeHeldBack =
 class Execution {
  public:
   Execution(const InterpreterSettings& settings, config::ParameterStore& parameters,
-            config::ToolTable& tools);
+            config::ToolTable& tools, ParameterNames& names);
 
   /// Executes those `steps` of `block`, which check_block() has accepted. steps_left() tells where
   /// it has paused; run() with these once the answer is there.
@@ -154,6 +155,7 @@ class Execution {
   const InterpreterSettings& settings_;
   config::ParameterStore& parameters_;
   config::ToolTable& tools_;
+  ParameterNames& names_;
 
   MachineState state_;
   std::vector<Command> commands_;

@@ -1,5 +1,6 @@
 #include "interpreter/expression_parser.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 
@@ -24,6 +25,13 @@ namespace {
 [[nodiscard]] Precedence precedence_of(const BinaryOperator& op, bool beside_comparison) {
   return beside_comparison && is_logical(op.code) ? Precedence::logical_after_comparison
                                                   : op.precedence;
+}
+
+/// Where the name ends whose "#" stands at `begin`; there if it is a number.
+[[nodiscard]] std::size_t end_of_name(std::string_view text, std::size_t begin) {
+  const std::size_t next = text.find_first_not_of(" \t", begin + 1);
+  if (next == std::string_view::npos || text[next] != '<') return begin;
+  return std::min(text.find('>', next), text.size());
 }
 
 }  // namespace
@@ -120,6 +128,7 @@ bool ExpressionParser::bracket_holds_comparison() const {
   const std::string_view rest = cursor_.rest();
   for (std::size_t i = 0; i < rest.size(); ++i) {
     const char c = rest[i];
+    if (c == '#') i = end_of_name(rest, i);
     if (c == '[') ++level;
     if (c == ']' && level-- == 0) return false;
     if (level > 0 || (c != '<' && c != '>' && c != '=')) continue;
@@ -158,6 +167,7 @@ Accepted ExpressionParser::parse_function() {
                   function_names());
   }
   cursor_.advance(name.size());
+  if (function->code == OpCode::name_exists) return parse_exists(span);
   if (Accepted argument = parse_bracketed(); !argument) return argument;
   if (function->code == OpCode::atan) return parse_atan(span);
   emit({function->code, span});
@@ -175,25 +185,57 @@ Accepted ExpressionParser::parse_atan(Span span) {
   return {};
 }
 
+// The one function that takes no value: EXISTS[#<name>] asks whether the name has one.
+Accepted ExpressionParser::parse_exists(Span span) {
+  const bool has_name = cursor_.take('[') && cursor_.take('#');
+  cursor_.skip_blanks();
+  if (!has_name || cursor_.peek() != '<') {
+    return refuse(ErrorCode::name_expected, span, "EXISTS asks for the name of a parameter.",
+                  "EXISTS[#<name>]");
+  }
+  const auto id = parse_name();
+  if (!id) return std::unexpected(id.error());
+  if (!cursor_.take(']')) {
+    return refuse(ErrorCode::bracket_not_closed, span, "This bracket is not closed.",
+                  "EXISTS[#<name>]");
+  }
+  emit({OpCode::name_exists, span, *id});
+  return {};
+}
+
 Accepted ExpressionParser::parse_parameter() {
   const char* const begin = cursor_.position();
   cursor_.advance();
   const auto number = parse_parameter_number();
   if (!number) return std::unexpected(number.error());
   if (*number) {
-    emit({OpCode::load_parameter, cursor_.span_from(begin), **number});
+    const OpCode load =
+        ParameterNames::is_name(**number) ? OpCode::load_named : OpCode::load_parameter;
+    emit({load, cursor_.span_from(begin), **number});
   } else {
     emit({OpCode::load_indirect, cursor_.span_from(begin)});
   }
   return {};
 }
 
+/// "<name>" as the id of the name.
+Parsed<std::int32_t> ExpressionParser::parse_name() {
+  const char* const begin = cursor_.position();
+  const std::string_view rest = cursor_.rest();
+  const std::size_t end = rest.find('>');
+  if (line_.names == nullptr || end == std::string_view::npos) {
+    return refuse(ErrorCode::named_parameter, cursor_.span_here(),
+                  line_.names == nullptr ? "Named parameters are not part of this language."
+                                         : "The name of this parameter is not closed.",
+                  line_.names == nullptr ? "A number: #1 to #5799." : "#<name>");
+  }
+  cursor_.advance(end + 1);
+  return line_.names->id_of(rest.substr(1, end - 1), cursor_.span_from(begin));
+}
+
 Parsed<std::optional<std::int32_t>> ExpressionParser::parse_parameter_number() {
   cursor_.skip_blanks();
-  if (cursor_.peek() == '<') {
-    return refuse(ErrorCode::named_parameter, cursor_.span_here(),
-                  "Named parameters are not part of this language.", "A number: #1 to #5799.");
-  }
+  if (cursor_.peek() == '<') return parse_name();
   const char* const begin = cursor_.position();
   const std::size_t first_op = line_.code.size();
   if (Accepted parsed = parse_value(); !parsed) return std::unexpected(parsed.error());

@@ -6,6 +6,7 @@
 
 #include "interpreter/line.h"
 #include "interpreter/number_scan.h"
+#include "interpreter/parameter_names.h"
 #include "interpreter/refusal.h"
 
 namespace cnc::interp {
@@ -72,7 +73,8 @@ class ExpressionParser {
   /// The same for "[ … ]" only.
   Accepted parse_bracketed();
   /// "#" has been read: what stands behind it, up to the number. A constant is returned and checked
-  /// at once; nothing returned means that code leaves the number on the stack.
+  /// at once, and so is the id of a name; nothing returned means that code leaves the number on the
+  /// stack.
   Parsed<std::optional<std::int32_t>> parse_parameter_number();
 
   void emit(const Op& op);
@@ -81,6 +83,8 @@ class ExpressionParser {
   Accepted parse_primary();
   Accepted parse_function();
   Accepted parse_atan(Span span);
+  Accepted parse_exists(Span span);
+  Parsed<std::int32_t> parse_name();
   Accepted parse_parameter();
   Accepted parse_binary(Precedence lowest, bool beside_comparison);
   Accepted check_depth() const;

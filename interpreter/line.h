@@ -32,6 +32,8 @@ enum class Statement : std::uint8_t {
   return statement >= Statement::if_begin && statement <= Statement::sub_end;
 }
 
+class ParameterNames;
+
 struct Op {
   OpCode code;
   Span span;
@@ -50,6 +52,7 @@ struct Line {
   Span name_span;
   const SpecialStatement* special = nullptr;
   std::vector<Argument> arguments;  ///< of the special statement; values are computed by the code
+  ParameterNames* names = nullptr;  ///< of the run; nullptr where the language has none
 
   void clear();
 };

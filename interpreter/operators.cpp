@@ -41,6 +41,7 @@ constexpr auto kFunctions = std::to_array<Function>({
     {"asin", OpCode::asin},
     {"atan", OpCode::atan},
     {"cos", OpCode::cos},
+    {"exists", OpCode::name_exists},
     {"exp", OpCode::exp},
     {"fix", OpCode::fix},
     {"fup", OpCode::fup},

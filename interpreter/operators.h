@@ -20,6 +20,8 @@ enum class OpCode : std::uint8_t {
   // values
   push_number,
   load_parameter,  ///< number in `argument`
+  load_named,      ///< id in `argument`
+  name_exists,     ///< EXISTS[#<name>]: id in `argument`
   load_indirect,   ///< number on the stack
   // unary: one operand
   negate,

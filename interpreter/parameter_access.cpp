@@ -37,6 +37,7 @@ double ParameterAccess::get_system(std::int32_t number) const {
 }
 
 void ParameterAccess::set(std::int32_t number, double value) {
+  if (ParameterNames::is_name(number)) return names_.set(number, value);
   const ParameterMeaning* meaning = is_system(number) ? meaning_of(number) : nullptr;
   if (meaning == nullptr) return store_.set(number, value);
   const double stored = stored_value(*meaning, number, value);

@@ -14,6 +14,7 @@
 #include "interpreter/block.h"
 #include "interpreter/interpreter_settings.h"
 #include "interpreter/machine_state.h"
+#include "interpreter/parameter_names.h"
 #include "interpreter/refusal.h"
 
 namespace cnc::interp {
@@ -23,13 +24,14 @@ struct ParameterMeaning;
 class ParameterAccess {
  public:
   ParameterAccess(const InterpreterSettings& settings, config::ParameterStore& store,
-                  config::ToolTable& tools, const MachineState& state)
-      : settings_(settings), store_(store), tools_(tools), state_(state) {}
+                  config::ToolTable& tools, ParameterNames& names, const MachineState& state)
+      : settings_(settings), store_(store), tools_(tools), names_(names), state_(state) {}
 
   /// `number` is valid.
   [[nodiscard]] double get(std::int32_t number) const {
     return number < kFirstSystem ? store_.get(number) : get_system(number);
   }
+  [[nodiscard]] const ParameterNames& names() const { return names_; }
   /// Writes a value that the program gives; check() has allowed it.
   void set(std::int32_t number, double value);
 
@@ -70,6 +72,7 @@ class ParameterAccess {
   const InterpreterSettings& settings_;
   config::ParameterStore& store_;
   config::ToolTable& tools_;
+  ParameterNames& names_;
   const MachineState& state_;
   bool live_is_fresh_ = false;
   mutable bool wants_live_ = false;

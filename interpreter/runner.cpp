@@ -12,15 +12,21 @@ namespace cnc::interp {
 Runner::Runner(const InterpreterSettings& settings, config::ParameterStore& parameters,
                config::ToolTable& tools)
     : settings_(settings),
-      execution_(settings_, parameters, tools),
-      access_(settings_, parameters, tools, execution_.state()) {
-  scratch_.block.set_dialect(dialect(settings_.dialect));
+      execution_(settings_, parameters, tools, names_),
+      access_(settings_, parameters, tools, names_, execution_.state()) {
+  prepare(scratch_);
   reset();
   set_library(settings_.library);
 }
 
 // --- program control
 // -------------------------------------------------------------------------------
+
+/// For the language that is read. The manual knows no names.
+void Runner::prepare(Line& line) {
+  line.block.set_dialect(dialect(settings_.dialect));
+  line.names = dialect(settings_.dialect).has_names && !settings_.strict ? &names_ : nullptr;
+}
 
 void Runner::reset() {
   stop();
@@ -71,6 +77,7 @@ void Runner::stop() {
   line_ = nullptr;
   calls_.clear();
   cache_.clear();
+  names_.forget_locals();
   execution_.release_held();
   execution_.commands().clear();
   execution_.forget_steps();
@@ -242,7 +249,7 @@ Parsed<const Line*> Runner::parsed_line() {
   const bool keep = !calls_.empty() || cache_.has_run(line_number_);
   if (!keep) lines_since_new_ = 0;
   Line& line = keep ? cache_.slot_for(key) : scratch_;
-  if (keep) line.block.set_dialect(dialect(settings_.dialect));
+  if (keep) prepare(line);
   line_ = &line;
   if (Accepted parsed = parse_line(line_text_, line); !parsed) {
     return std::unexpected(std::move(parsed.error()));

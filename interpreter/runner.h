@@ -67,6 +67,7 @@ class Runner {
   };
 
   // runner.cpp: one line after the other
+  void prepare(Line& line);
   void hand_out();
   [[nodiscard]] bool search_is_over() const;
   Accepted run_line();
@@ -114,6 +115,7 @@ class Runner {
   [[nodiscard]] CallSite site_of(const Call& call) const;
 
   InterpreterSettings settings_;
+  ParameterNames names_;
   Execution execution_;
   ParameterAccess access_;
   Sources sources_;

@@ -111,6 +111,7 @@ Accepted Runner::call(const Sources::Sub& sub, Span span, std::int32_t m_code,
                   fmt::format("At most {}.", settings_.max_call_depth));
   }
   calls_.push_back({file_, cursor_, line_number_, sub, m_code, std::move(rest)});
+  names_.enter_sub();
   enter_file(sub.file);
   go_behind(*sub.begin);
   return {};
@@ -128,6 +129,7 @@ Accepted Runner::return_from_sub() {
   line_number_ = call.line;
   if (rest_) line_text_ = program_->line(call.line);
   calls_.pop_back();
+  names_.leave_sub();
   return {};
 }
 

@@ -7,6 +7,7 @@
 
 #include "interpreter/check.h"
 #include "server/cncsim/options.h"
+#include "server/cncsim/watched_check.h"
 #include "server/job/settings.h"
 
 namespace cnc::server {
@@ -72,10 +73,10 @@ nlohmann::json json_of(const Position& position) {
 }
 
 void print_json(const CheckOptions& options, const interp::CheckReport& report) {
-  nlohmann::json out{{"file", options.file.string()},      {"good", report.ok()},
-                     {"complete", report.complete},        {"lines", report.line_count},
-                     {"commands", report.commands},        {"errors", nlohmann::json::array()},
-                     {"warnings", nlohmann::json::array()}};
+  nlohmann::json out{{"file", options.file.string()},     {"good", report.ok()},
+                     {"complete", report.complete},       {"interrupted", report.cancelled},
+                     {"lines", report.line_count},        {"commands", report.commands},
+                     {"errors", nlohmann::json::array()}, {"warnings", nlohmann::json::array()}};
   for (const auto& error : report.errors) out["errors"].push_back(json_of(error));
   for (const auto& warning : report.warnings) out["warnings"].push_back(json_of(warning));
   if (!report.motion.empty) {
@@ -86,16 +87,34 @@ void print_json(const CheckOptions& options, const interp::CheckReport& report) 
   fmt::print("{}\n", out.dump(2, ' ', false, nlohmann::json::error_handler_t::replace));
 }
 
+[[nodiscard]] const char* how_it_ended(const interp::CheckReport& report) {
+  if (report.cancelled) return "; interrupted";
+  return report.complete ? "" : "; the end was not reached";
+}
+
 void print_text(const interp::CheckReport& report) {
   for (const auto* list : {&report.errors, &report.warnings})
     for (const interp::Diagnostic& diagnostic : *list) fmt::print("{}\n", diagnostic.to_string());
   fmt::print("{} lines, {} errors, {} warnings{}\n", report.line_count, report.errors.size(),
-             report.warnings.size(), report.complete ? "" : "; the end was not reached");
+             report.warnings.size(), how_it_ended(report));
   if (report.motion.empty) return;
   for (const Axis axis : kAllAxes)
     if (report.motion.lowest[axis] != report.motion.highest[axis])
       fmt::print("{}  {:12.4f} … {:12.4f}\n", axis_name(axis), report.motion.lowest[axis],
                  report.motion.highest[axis]);
+}
+
+/// Checks with Ctrl-C and progress.
+interp::CheckReport watched_check(const CheckOptions& options, const MachineData& data,
+                                  std::shared_ptr<const interp::Program> program,
+                                  interp::CheckOptions check_options) {
+  const Interrupt interrupt;
+  ProgressLine line(program->line_count());
+  check_options.cancel = &Interrupt::asked();
+  if (options.progress || ProgressLine::is_terminal())
+    check_options.progress = [&](const interp::CheckProgress& progress) { line.show(progress); };
+  return interp::check(std::move(program), interpreter_settings(data.config, data.macros),
+                       data.parameters, data.tools, Position{}, check_options);
 }
 
 }  // namespace
@@ -108,6 +127,7 @@ ExitCode check_command(const CheckOptions& options) {
 
   interp::CheckOptions check_options;
   check_options.max_errors = options.max_errors;
+  check_options.max_loop_lines = options.max_loop_lines;
   std::optional<CanonFile> canon;
   if (!options.canon.empty()) {
     auto created = CanonFile::create(options.canon);
@@ -116,9 +136,7 @@ ExitCode check_command(const CheckOptions& options) {
     check_options.sink = [&](const interp::Command& command) { canon->add(command); };
   }
 
-  const interp::CheckReport report =
-      interp::check(*program, interpreter_settings(data->config, data->macros), data->parameters,
-                    data->tools, Position{}, check_options);
+  const interp::CheckReport report = watched_check(options, *data, *program, check_options);
   if (canon)
     if (auto finished = canon->finish(); !finished) return refuse(finished.error());
   if (options.json)

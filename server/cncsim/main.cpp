@@ -55,6 +55,14 @@ int main(int argc, char** argv) {
   check->add_option("--max-errors", check_options.max_errors, "Stop after so many errors")
       ->check(CLI::Range(1, 100000))
       ->capture_default_str();
+  check
+      ->add_option("--max-loop-lines", check_options.max_loop_lines,
+                   "Give up after so many lines in loops and subs without coming to a new line; "
+                   "0: never")
+      ->capture_default_str();
+  check->add_flag("--progress", check_options.progress,
+                  "Show how far it has come, as on a terminal");
+  check->footer("Ctrl-C ends the check with the report of what it has read.");
 
   try {
     app.parse(argc, argv);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "config/ini_file.h"
+#include "interpreter/check.h"
 #include "server/machine/machine.h"
 
 namespace cnc::server {
@@ -30,6 +31,8 @@ struct RunOptions : SimInput {
 struct CheckOptions : SimInput {
   std::filesystem::path canon;  ///< text file of canonical commands
   std::size_t max_errors = 100;
+  std::uint64_t max_loop_lines = interp::kMaxLoopLines;
+  bool progress = false;  ///< also where stderr is no terminal
 };
 
 enum ExitCode : int { kGood = 0, kProgramFailed = 1, kBadInput = 2 };

@@ -59,16 +59,16 @@ TEST_CASE("A check tells one error per cause: a refused line still sets modes, f
     std::vector<std::uint32_t> lines;  ///< of the errors
   };
   const Row row = GENERATE(values<Row>({
-      {"G1 X1\nX2\nX3\nG2 X5 I1\nM30\n", {1}},             // no F anywhere
-      {"G1 X1\nX2 F100\nG93\nG94\nX3\nX4\nM30\n", {1, 5}},    // missing once more
-      {"G1 X1 F100 Q1\nX2\nX3\nM30\n", {1}},               // G1 and F of the line hold
-      {"G0 X0 Q1\nX1\nM30\n", {1}},                        // G0 instead of G80
-      {"G91 G1 Q1 F9\nX1\nX1\nG90 G2 X4 I1\nM30\n", {1}},  // G91 of it
-      {"G0 X10 Y0 Q1\nG2 X0 I-5 F9\nM30\n", {1}},          // the arc begins at its end
-      {"G0 X10 Y0 !\nG2 X0 I-5 F9\nM30\n", {1}},           // as far as it could be read
-      {"G1 X[1/0] F100\nX2\nM30\n", {1}},                  // as far as it could be computed
-      {"G2 X10 I3 F100\nG2 X0 I-5\nM30\n", {1}},           // the arc behind a wrong arc
-      {"X1\nX2\nG0 X3\nM30\n", {1, 2}},                    // nobody knows what these should be
+      {"G1 X1\nX2\nX3\nG2 X5 I1\nM30\n", {1}},              // no F anywhere
+      {"G1 X1\nX2 F100\nG93\nG94\nX3\nX4\nM30\n", {1, 5}},  // missing once more
+      {"G1 X1 F100 Q1\nX2\nX3\nM30\n", {1}},                // G1 and F of the line hold
+      {"G0 X0 Q1\nX1\nM30\n", {1}},                         // G0 instead of G80
+      {"G91 G1 Q1 F9\nX1\nX1\nG90 G2 X4 I1\nM30\n", {1}},   // G91 of it
+      {"G0 X10 Y0 Q1\nG2 X0 I-5 F9\nM30\n", {1}},           // the arc begins at its end
+      {"G0 X10 Y0 !\nG2 X0 I-5 F9\nM30\n", {1}},            // as far as it could be read
+      {"G1 X[1/0] F100\nX2\nM30\n", {1}},                   // as far as it could be computed
+      {"G2 X10 I3 F100\nG2 X0 I-5\nM30\n", {1}},            // the arc behind a wrong arc
+      {"X1\nX2\nG0 X3\nM30\n", {1, 2}},                     // nobody knows what these should be
   }));
   INFO(row.text);
   std::vector<std::uint32_t> lines;

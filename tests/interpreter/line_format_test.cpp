@@ -68,7 +68,7 @@ TEST_CASE("What a line must not hold is refused with its place", "[GCO-1][LNG-10
       {"an O without number", "O<name> sub", "o_word@1"},
       {"a setting without value", "#1=", "value_expected@4"},
       {"a parameter that is not set", "#1", "equal_sign_expected@3"},
-      {"a named parameter", "#<depth> = 5", "named_parameter@2"},
+      {"a named parameter that is not closed", "#<depth = 5", "named_parameter@2"},
       {"an unknown statement", "dlgbox \"x\"", "unknown_statement@1"},
       {"two words run together", "G0 XY5", "unknown_function@5"},
       {"an unknown G code", "G0 X1 G999", "unknown_g_code@7"},

@@ -1,6 +1,7 @@
 // cncsim as a process: examples, real programs, the recording, and what it answers to bad input.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 #include <sstream>
@@ -249,6 +250,32 @@ TEST_CASE("A line that is too long is an error with its number", "[GCO-1]") {
   const Outcome outcome = cncsim({"run", program.path()});
   CHECK(outcome.exit_code == kJobFailed);
   CHECK_THAT(outcome.out, Contains("program.nc:2") && Contains("E2100"));
+}
+
+TEST_CASE("check gives up a program without end, and names the option that lets it go on",
+          "[JOB-2]") {
+  const ProgramFile program("while [1]\nG0 X[1 - #5001]\nendwhile\n");
+  for (const std::vector<std::string>& more :
+       {std::vector<std::string>{}, {"--max-loop-lines", "1000"}}) {
+    std::vector<std::string> arguments{"check", program.path()};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const Outcome outcome = cncsim(arguments);
+    CHECK(outcome.exit_code == kJobFailed);
+    CHECK_THAT(outcome.out, Contains("E2601") && Contains("--max-loop-lines"));
+    CHECK_THAT(outcome.out, Contains(more.empty() ? "10000000 lines" : "1000 lines"));
+  }
+}
+
+TEST_CASE("Ctrl-C ends a check with its report", "[JOB-2]") {
+  const ProgramFile program("G0 X1\nG77\nwhile [1]\nG0 X[1 - #5001]\nendwhile\n");
+  const TemporaryDirectory folder;
+  Process check({CNCSIM, "check", program.path(), "--max-loop-lines", "0", "--progress"},
+                folder.path());
+  REQUIRE(check.says("lines in loops and subs"));
+  check.signal(SIGINT);
+  const Outcome outcome = check.wait();
+  CHECK(outcome.exit_code == kJobFailed);
+  CHECK_THAT(outcome.out, Contains("program.nc:2") && Contains("interrupted"));
 }
 
 TEST_CASE("check lists every wrong line, and its JSON names each", "[JOB-2][LNG-10]") {
