@@ -30,7 +30,7 @@ class File {
 
 [[nodiscard]] std::unexpected<Error> cannot_read(const std::string& name, int error) {
   const ErrorCode code = error == ENOENT ? ErrorCode::file_not_found : ErrorCode::file_not_readable;
-  return fail(code, fmt::format("{}: {}.", name, std::strerror(error)), {name});
+  return fail(code, fmt::format("Cannot read it: {}.", std::strerror(error)), {name});
 }
 
 /// Bytes of the regular file behind `file`.
@@ -40,7 +40,7 @@ class File {
     return cannot_read(name, errno);
   }
   if (!S_ISREG(status.st_mode)) {
-    return fail(ErrorCode::file_not_readable, fmt::format("{} is not a file.", name), {name});
+    return fail(ErrorCode::file_not_readable, "It is not a file.", {name});
   }
   return static_cast<std::uint64_t>(status.st_size);
 }
@@ -91,10 +91,9 @@ Result<std::shared_ptr<const Program>> Program::open(const std::filesystem::path
   const auto size = size_of(file, program->name_);
   if (!size) return std::unexpected(size.error());
   if (*size > kMaxBytes) {
-    return fail(
-        ErrorCode::program_too_large,
-        fmt::format("{} has {} bytes; at most {} are possible.", program->name_, *size, kMaxBytes),
-        {program->name_});
+    return fail(ErrorCode::program_too_large,
+                fmt::format("The file has {} bytes; at most {} are possible.", *size, kMaxBytes),
+                {program->name_});
   }
   if (*size <= kReadWhole) {
     auto text = read_whole(file, *size, program->name_);
@@ -124,28 +123,25 @@ Result<std::shared_ptr<const Program>> Program::finish(std::shared_ptr<Program> 
 
 Result<void> Program::index() {
   if (text_.empty()) {
-    return fail(ErrorCode::program_empty, fmt::format("{} is empty.", name_), {name_});
+    return fail(ErrorCode::program_empty, "It is empty.", {name_});
   }
   std::uint32_t line = 0;
   for (std::size_t begin = 0; begin < text_.size();) {
     if (line == std::numeric_limits<std::uint32_t>::max()) {
-      return fail(ErrorCode::program_too_large, fmt::format("{} has too many lines.", name_),
-                  {name_});
+      return fail(ErrorCode::program_too_large, "It has too many lines.", {name_});
     }
     ++line;
     if (line % kLinesPerEntry == 1) offsets_.push_back(begin);
     const std::size_t end = find_line_end(text_, begin);
     if (std::memchr(text_.data() + begin, '\0', end - begin) != nullptr) {
-      return fail(ErrorCode::program_not_text,
-                  fmt::format("{} is not a text: line {} holds a NUL byte.", name_, line),
+      return fail(ErrorCode::program_not_text, "It is not a text: this line holds a NUL byte.",
                   {name_, line});
     }
     if (text_[begin] == '%') nesting_.read(text_.substr(begin, end - begin));
     if (!flow_.look_at(text_.substr(begin, end - begin), line, begin)) {
-      return fail(
-          ErrorCode::program_too_large,
-          fmt::format("{} has more than {} if, while and sub lines.", name_, FlowIndex::kMaxMarks),
-          {name_, line});
+      return fail(ErrorCode::program_too_large,
+                  fmt::format("It has more than {} if, while and sub lines.", FlowIndex::kMaxMarks),
+                  {name_, line});
     }
     begin = end + 1;
   }

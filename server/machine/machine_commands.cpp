@@ -63,12 +63,16 @@ void Machine::run_sub(std::string_view name, Completion done) {
 }
 
 Result<void> Machine::answer(std::uint64_t question, bool confirmed, std::vector<double> values) {
-  if (auto allowed = allow(CommandKind::answer); !allowed) return allowed;
   const interp::Dialog* dialog = job_.question();
-  if (question != question_ || dialog == nullptr) {
-    return fail(ErrorCode::no_question,
-                "This question is not asked any more: look at the status for the present one.");
-  }
+  const bool is_asked = dialog != nullptr && question == question_;
+  const bool was_asked = question != 0 && question <= question_;
+  const auto not_asked =
+      fail(ErrorCode::no_question,
+           "This question is not asked any more: it is answered, or its program has ended.");
+  // Whoever answers second is to hear that, not what the machine does meanwhile.
+  if (was_asked && !is_asked) return not_asked;
+  if (auto allowed = allow(CommandKind::answer); !allowed) return allowed;
+  if (!is_asked) return not_asked;
   if (!values.empty() && values.size() != dialog->fields.size()) {
     return fail(ErrorCode::value_out_of_range,
                 fmt::format("The question has {} fields; the answer has {} values.",

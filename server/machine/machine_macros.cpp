@@ -1,6 +1,7 @@
 // The subs of the macro files: loading them, and running them as if they were typed.
 #include <algorithm>
 #include <fmt/format.h>
+#include <ranges>
 #include <utility>
 
 #include "server/machine/machine.h"
@@ -51,10 +52,13 @@ void Machine::load_macros() {
 void Machine::use_macros(interp::Library macros) {
   macros_ = std::move(macros);
   interpreter_.set_library(macros_);
+  constexpr std::size_t kTold = 10;
   const auto& warnings = interpreter_.library_warnings();
-  if (warnings.empty()) return;
-  log_.add(Severity::warning, fmt::format("{} remarks on the macro files, first: {}",
-                                          warnings.size(), warnings[0].to_error().to_string()));
+  for (const auto& warning : warnings | std::views::take(kTold))
+    log_.add(Severity::warning, warning.to_error().to_string());
+  if (warnings.size() > kTold)
+    log_.add(Severity::warning,
+             fmt::format("{} more remarks on the macro files.", warnings.size() - kTold));
 }
 
 bool Machine::has_sub(std::string_view name) const {

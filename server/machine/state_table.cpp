@@ -21,7 +21,7 @@ constexpr std::array<StateInfo, kStateCount> kStates{{
     {off, "off", "No controller is connected: check the connection settings and the cable."},
     {needs_reset, "needs reset", "Drives are off: reset to switch them on."},
     {needs_homing, "needs homing", "The machine does not know its position: home the axes."},
-    {ready, "ready", "Ready."},
+    {ready, "ready", "Nothing runs: the machine is ready."},
     {jogging, "jogging", "The machine is jogged: release the key."},
     {homing, "homing", "Axes are homed: wait for the end or stop."},
     {mdi, "single line", "A single line is executed: wait for the end or stop."},

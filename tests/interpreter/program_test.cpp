@@ -60,7 +60,10 @@ TEST_CASE("What is not a program text is refused with its reason", "[JOB-6][LNG-
   const auto binary = Program::from_text(std::string("G0 X1\nab\0c\n", 11), "binary");
   CHECK(code_of(binary) == ErrorCode::program_not_text);
   CHECK(binary.error().place->line == 2);
-  CHECK(code_of(Program::open("/nonexistent/file.ngc")) == ErrorCode::file_not_found);
+  const auto missing = Program::open("/nonexistent/file.ngc");
+  CHECK(code_of(missing) == ErrorCode::file_not_found);
+  CHECK(missing.error().to_string() ==
+        "/nonexistent/file.ngc: Cannot read it: No such file or directory. [E1001]");
   CHECK(code_of(Program::open("/")) == ErrorCode::file_not_readable);
 }
 

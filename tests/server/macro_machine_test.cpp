@@ -142,3 +142,13 @@ TEST_CASE("Cutter compensation of a job that ended in its middle does not act on
   CHECK(macro.rig.position()[Axis::X] == Approx(100.0));
   CHECK(macro.rig.position()[Axis::Y] == Approx(100.0));
 }
+
+TEST_CASE("Every mistake of a macro file is told when it is loaded, the first ten by themselves",
+          "[LNG-6]") {
+  std::string lines;
+  for (int i = 0; i < 12; ++i) lines += "G0 X1\n";
+  const MacroRig macro("sub fine\nendsub\n" + lines);
+  const std::string messages = macro.messages();
+  CHECK_THAT(messages, Contains("macro.cnc:3: ") && Contains("macro.cnc:12: "));
+  CHECK_THAT(messages, !Contains("macro.cnc:13: ") && Contains("2 more remarks"));
+}
