@@ -15,7 +15,7 @@
 ;   #4100-#4105  grid of zhcmgrid        #4990  height of the probe plate
 ;   #4996        safe height of Z        #4997 #4998  place of the tool setter
 ;   #4999        height of the tool setter, where the tool length is zero
-; Everything is in machine units; X Y Z of #4996-#4999 are machine coordinates.
+; Everything is in mm; X Y Z of #4996-#4999 are machine coordinates.
 
 ; --- homing ----------------------------------------------------------------------------------------
 
@@ -92,11 +92,28 @@ sub pick_tool
   #5015 = 1
 endsub
 
+; --- units -----------------------------------------------------------------------------------------
+
+; The subs below are written in mm, and may be called while G20 is active. The travel of Z in either
+; unit tells which it was: 1 for mm, 1/25.4 for inches.
+sub to_millimetres
+  #116 = [#5113 - #5103]
+  g21
+  #116 = [#116 / [#5113 - #5103]]
+endsub
+
+sub to_unit_before
+  if [#116 < 0.5]
+    g20
+  endif
+endsub
+
 ; --- tool length -----------------------------------------------------------------------------------
 
 ; Once for a machine: where the tool setter is. Tool 99 is the reference; enter its length in the
 ; tool table first (0 for the empty chuck).
 sub calibrate_tool_setter
+  gosub to_millimetres
   warnmsg "Check the length of the reference tool 99 in the tool table, then resume"
   warnmsg "Jog Z to the safe height for tool changes, then resume"
   #4996 = #5073
@@ -113,10 +130,12 @@ sub calibrate_tool_setter
     g0 g53 z#4996
   endif
   msg "Tool setter calibrated: safe height "#4996", X "#4997", Y "#4998", height "#4999
+  gosub to_unit_before
 endsub
 
 ; Measures a tool and stores its length and diameter in the tool table.
 sub m_tool
+  gosub to_millimetres
   if [[#4996 == 0] and [#4997 == 0] and [#4998 == 0] and [#4999 == 0]]
     errmsg "The tool setter is not calibrated: gosub calibrate_tool_setter"
   endif
@@ -146,12 +165,14 @@ sub m_tool
     #[5600 + #5016] = 0
     msg "Tool "#5016" has length "#[5400 + #5016]
   endif
+  gosub to_unit_before
 endsub
 
 ; --- zero of the work piece ------------------------------------------------------------------------
 
 ; Z zero with a probe plate on the work piece, for the tool in the spindle.
 sub zero_z
+  gosub to_millimetres
   if [#4990 == 0]
     #4990 = 20
   endif
@@ -174,12 +195,14 @@ sub zero_z
     g90
     msg "Z is zero at the top of the work piece"
   endif
+  gosub to_unit_before
 endsub
 
 ; --- height map ------------------------------------------------------------------------------------
 
 ; Probes a grid from work X0 Y0 on, to and fro, and stores the points. Z values are work coordinates.
 sub zhcmgrid
+  gosub to_millimetres
   if [#4100 == 0]
     #4100 = 10   ; points along X
     #4101 = 5    ; points along Y
@@ -195,6 +218,7 @@ sub zhcmgrid
   #114 = 1       ; direction along X
   dlgmsg "gridMeas" "nx" 4100 "ny" 4101 "maxZ" 4102 "minZ" 4103 "gridSize" 4104 "Feed" 4105
   if [#5398 == 1]
+    g90
     g0 z[#4102]
     g0 x0 y0
     ZHCINIT [#4104] [#4100] [#4101]
@@ -227,6 +251,7 @@ sub zhcmgrid
   else
     msg "Height map cancelled"
   endif
+  gosub to_unit_before
 endsub
 
 ; --- buttons ---------------------------------------------------------------------------------------

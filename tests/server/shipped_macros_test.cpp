@@ -46,13 +46,18 @@ TEST_CASE("The shipped macros: tool setter and tool length", "[LNG-6]") {
   CHECK_THAT(wrong.error().message, Contains("1 to 99"));
 }
 
-TEST_CASE("The shipped macros: zero of the work piece with the probe plate", "[LNG-6]") {
+TEST_CASE("The shipped macros: zero of the work piece with the probe plate, whatever the unit",
+          "[LNG-6]") {
+  const auto unit = GENERATE(as<std::string>{}, "G21", "G20");
+  INFO(unit);
   MacroRig macro(shipped_macros());
   REQUIRE(macro.rig.becomes(State::ready));
   REQUIRE(macro.run("G0 Z-50"));
+  REQUIRE(macro.run(unit));
   REQUIRE(macro.run("gosub user_1", {20}));
+  CHECK_THAT(macro.rig.shown()->active_codes, Contains(unit));
   // The plate of 20 mm lies at the height that the probe touches.
-  REQUIRE(macro.run("G0 Z30"));
+  REQUIRE(macro.run("G21 G0 Z30"));
   CHECK(macro.rig.position()[Axis::Z] == Approx(kStockTop - 20.0 + 30.0).margin(2.0 / 200.0));
 }
 
