@@ -77,6 +77,11 @@ Accepted Block::add_word(char letter, double value, Span span) {
   return {};
 }
 
+Accepted Block::rename_word(char from, char to) {
+  head_.words &= ~word_bit(from);
+  return add_word(to, value(from), span_of(from));
+}
+
 Accepted Block::add_g_code(double value, Span span) {
   head_.has_g_code = true;
   const auto number = whole_number(value * 10.0);

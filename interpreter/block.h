@@ -37,6 +37,8 @@ class Block {
 
   /// Each refuses what cannot stand on the line together with what is already there.
   Accepted add_word(char upper_letter, double value, Span span);
+  /// `from` stands on the line.
+  Accepted rename_word(char from, char to);
   void add_setting(const ParameterSetting& setting) { settings_.push_back(setting); }
   /// Remembers the first thing on the line that the manual does not allow.
   void note(Habit habit, Span span) {

@@ -193,6 +193,16 @@ using CommandBody =
                  HeatersOff, ScaleAxis, AskOperator, OpenLogFile, StorePosition, SetGuard,
                  UseHomeSensorsAsEstop, HomeAxis, SetKnife, ChangeHeightMap, Synchronise>;
 
+/// Where a move leads; nothing for a command that is no move.
+[[nodiscard]] inline const Position* end_of(const CommandBody& body) {
+  return std::visit(
+      []<typename Body>(const Body& command) -> const Position* {
+        if constexpr (requires { Position{command.end}; }) return &command.end;
+        return nullptr;
+      },
+      body);
+}
+
 struct Command {
   CommandBody body;
   SourceLine source;

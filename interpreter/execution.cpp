@@ -16,16 +16,6 @@ constexpr std::size_t kMaxHeldBack = 1000;
 
 constexpr std::int32_t kLastPlainMotion = 30;  // G0 G1 G2 G3
 
-/// Where a move leads; nothing for a command that is no move.
-[[nodiscard]] const Position* end_of(const CommandBody& body) {
-  return std::visit(
-      []<typename Body>(const Body& command) -> const Position* {
-        if constexpr (requires { Position{command.end}; }) return &command.end;
-        return nullptr;
-      },
-      body);
-}
-
 }  // namespace
 
 Execution::Execution(const InterpreterSettings& settings, config::ParameterStore& parameters,

@@ -73,7 +73,8 @@ Accepted select_head(Execution& x) {
   MachineState& state = x.state();
   const Head head = head_of(x.code());
   Position offset = x.head_offset(head);
-  if (*measures) {
+  // Checks, predictions and searches do not stand where the operator would have moved the head.
+  if (*measures && !state.rendering) {
     const auto measured = measured_offset(x);
     if (!measured) return std::unexpected(measured.error());
     offset = *measured;

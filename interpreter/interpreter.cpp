@@ -23,17 +23,7 @@ void Interpreter::start(std::shared_ptr<const Program> program, const Position& 
   impl_->runner.start(std::move(program), machine_position, options);
 }
 
-ResumePoint Interpreter::resume_point() const {
-  const MachineState& state = impl_->runner.state();
-  return {.line = impl_->runner.next_line(),
-          .position = state.machine_position(),
-          .work_position = state.work_position(),
-          .modal = state.modal,
-          .work_offset = state.coordinates.work_offset(),
-          .g92_offset = state.coordinates.g92_offset(),
-          .tool_length = state.coordinates.tool_length(),
-          .head_offset = state.coordinates.head_offset()};
-}
+ResumePoint Interpreter::resume_point() const { return impl_->runner.resume_point(); }
 
 void Interpreter::leave_search(const Position& machine_position) {
   impl_->runner.leave_search(machine_position);

@@ -58,6 +58,7 @@ struct StartOptions {
 };
 
 /// Where a program goes on that was searched: everything that has to be true before its line runs.
+/// Within a contour under cutter compensation the program goes on with the move before the line.
 struct ResumePoint {
   std::uint32_t line = 0;
   Position position;  ///< machine coordinates; with these modes and offsets

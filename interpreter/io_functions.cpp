@@ -164,15 +164,29 @@ Accepted switch_spindle_output(Execution& x) {
   return {};
 }
 
-// M27 without P opens the brake that M26 has closed: if it opened another, the motor of A would
-// turn against the brake.
+namespace {
+
+/// The brake that is closed is the one to open: otherwise the motor of A would turn against it.
+Accepted check_same_brake(const Execution& x, std::int32_t port) {
+  const ModalState& modal = x.state().modal;
+  if (!modal.a_clamped || modal.clamp_port == port) return {};
+  const std::string written = modal.clamp_port ? fmt::format("M26 P{}", *modal.clamp_port) : "M26";
+  return refuse(ErrorCode::axis_clamped, x.block().span_of('P'),
+                fmt::format("The A axis was clamped by {}: {} P{} is another brake.", written,
+                            x.code_name(), port),
+                "M27 without P opens the brake that is closed.");
+}
+
+}  // namespace
+
 Accepted switch_clamp(Execution& x) {
   ModalState& modal = x.state().modal;
   const bool on = x.code() == 26;
-  std::optional<std::int32_t> port = on ? std::nullopt : modal.clamp_port;
+  std::optional<std::int32_t> port = modal.clamp_port;  // of the brake that is closed
   if (x.block().has('P')) {
     const auto given = port_word(x, 'P', PortKind::output);
     if (!given) return std::unexpected(given.error());
+    if (Accepted same = check_same_brake(x, *given); !same) return same;
     port = *given;
   }
   modal.a_clamped = on;

@@ -1,5 +1,8 @@
 #include "interpreter/runner.h"
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 
@@ -8,6 +11,32 @@
 #include "interpreter/number_scan.h"
 
 namespace cnc::interp {
+namespace {
+
+[[nodiscard]] bool is_same_place(const Position& one, const Position& other) {
+  constexpr double kInPlace = 1e-3;  // mm or degrees
+  return std::ranges::all_of(
+      kAllAxes, [&](Axis axis) { return std::abs(one[axis] - other[axis]) <= kInPlace; });
+}
+
+/// M84 of slicers switches the motors off at the end of a print: no spindle is meant.
+[[nodiscard]] bool is_ignored_by_printers(const Block& block) {
+  constexpr std::int32_t kMotorsOff = 84;
+  return block.unknown_m() ||
+         std::ranges::find(block.m_numbers(), kMotorsOff) != block.m_numbers().end();
+}
+
+/// E is the A axis of a 3D printer (manual 2.11), but where a code of the line has an E of its own.
+Accepted read_extruder_axis(Block& block) {
+  if (!block.has('E')) return {};
+  for (StepSet steps = block.steps(); steps != 0; steps &= steps - 1) {
+    const Code& code = block.code(Step{static_cast<std::uint8_t>(std::countr_zero(steps))});
+    if ((code.uses & word_bit('E')) != 0) return {};
+  }
+  return block.rename_word('E', 'A');
+}
+
+}  // namespace
 
 Runner::Runner(const InterpreterSettings& settings, config::ParameterStore& parameters,
                config::ToolTable& tools)
@@ -53,6 +82,8 @@ void Runner::start(std::shared_ptr<const Program> program, const Position& posit
   mode_ = options.mode;
   single_line_ = options.single_line;
   search_line_ = options.mode == RunMode::search ? options.search_line : 0;
+  searched_ = position;
+  searched_feed_ = {execution_.state().modal.feed_mode, execution_.state().modal.feed};
   access_.set_live(mode_ != RunMode::run);
   cursor_ = program_->begin_of(options.line);
   line_number_ = cursor_.line;
@@ -64,12 +95,37 @@ void Runner::start(std::shared_ptr<const Program> program, const Position& posit
   execution_.reload_tool_length();
 }
 
+// How far the last move of a compensated contour goes only the next one tells (an inside corner
+// shortens it). So the program goes on with it, from where it starts: there the tool is on its
+// path.
+ResumePoint Runner::resume_point() const {
+  const MachineState& state = execution_.state();
+  ResumePoint point{.line = cursor_.line,
+                    .position = state.machine_position(),
+                    .work_position = state.work_position(),
+                    .modal = state.modal,
+                    .work_offset = state.coordinates.work_offset(),
+                    .g92_offset = state.coordinates.g92_offset(),
+                    .tool_length = state.coordinates.tool_length(),
+                    .head_offset = state.coordinates.head_offset()};
+  if (!state.compensation.held) return point;
+  point.position = searched_;
+  point.work_position = state.coordinates.to_work(searched_);
+  point.modal.feed_mode = searched_feed_.mode;
+  point.modal.feed = searched_feed_.feed;
+  return point;
+}
+
 void Runner::leave_search(const Position& position) {
   mode_ = RunMode::run;
   search_line_ = 0;
   access_.set_live(false);
-  execution_.state().rendering = false;
-  execution_.state().arrive(position);
+  MachineState& state = execution_.state();
+  state.rendering = false;
+  if (state.compensation.held && is_same_place(position, searched_)) return;
+  execution_.release_held();
+  execution_.drop_commands(0);
+  state.arrive(position);
 }
 
 void Runner::stop() {
@@ -125,7 +181,10 @@ Progress Runner::next() {
     }
     if (taken_ < execution_.ready_count()) {
       hand_out();
-      if (mode_ == RunMode::search) continue;  // nobody wants it
+      if (mode_ == RunMode::search) {
+        pass_by(command().body);
+        continue;
+      }
       return Progress::command;
     }
     if (failed_) return Progress::failed;
@@ -134,16 +193,17 @@ Progress Runner::next() {
     if (program_ == nullptr || execution_.program_ended()) return Progress::ended;
     if (lines >= settings_.lines_per_call) return Progress::working;
     const bool in_line = execution_.steps_left() != 0;
-    if (search_line_ != 0 && !in_line && search_is_over()) {
-      execution_.release_held();
-      execution_.drop_commands(0);
-      return Progress::found;
-    }
+    if (search_line_ != 0 && !in_line && search_is_over()) return Progress::found;
     if (Accepted done = in_line ? run_rest_of_line() : run_line(); !done) return fail(done.error());
   }
 }
 
 void Runner::hand_out() { waits_ = waits_for_answer(execution_.commands()[taken_++].body); }
+
+void Runner::pass_by(const CommandBody& command) {
+  if (const Position* end = end_of(command)) searched_ = *end;
+  if (const auto* feed = std::get_if<SetFeedRate>(&command)) searched_feed_ = *feed;
+}
 
 /// A line that is never reached (in a branch that is not taken) is found at the next one.
 bool Runner::search_is_over() const {
@@ -309,10 +369,15 @@ Accepted Runner::start_block(Block& block) {
   }
   if (!block.m_numbers().empty()) {
     if (const auto sub = sub_instead_of_m(block)) return call_instead_of_m(block, *sub);
-    if (const auto unknown = block.unknown_m()) {
-      if (!settings_.is_3d_printer) return block.refuse_m_code(*unknown, block.m_span());
+    if (settings_.is_3d_printer && is_ignored_by_printers(block)) {
       return tolerate(Habit::ignored_code, block.m_span());
     }
+    if (const auto unknown = block.unknown_m()) {
+      return block.refuse_m_code(*unknown, block.m_span());
+    }
+  }
+  if (settings_.is_3d_printer) {
+    if (Accepted read = read_extruder_axis(block); !read) return read;
   }
   if (Accepted allowed = check_block(block, execution_.state().modal); !allowed) return allowed;
   if (block.habit() != Habit::none) {

@@ -28,6 +28,7 @@ class Runner {
   void stop();
   void reset();
   bool skip_failed_line();
+  [[nodiscard]] ResumePoint resume_point() const;
   void leave_search(const Position& position);
   void set_block_delete(bool on) { settings_.block_delete = on; }
 
@@ -70,6 +71,7 @@ class Runner {
   void prepare(Line& line);
   void hand_out();
   [[nodiscard]] bool search_is_over() const;
+  void pass_by(const CommandBody& command);
   Accepted run_line();
   Accepted run_again();
   Accepted run_rest_of_line();
@@ -123,6 +125,8 @@ class Runner {
   RunMode mode_ = RunMode::run;
   bool single_line_ = false;
   std::uint32_t search_line_ = 0;
+  Position searched_;  ///< where the commands that a search has passed take the machine
+  SetFeedRate searched_feed_;
   const Program* program_ = nullptr;  ///< that is being read; nullptr: nothing was started
   std::uint16_t file_ = Sources::kJob;
   Program::Cursor cursor_;         ///< of the line to read next

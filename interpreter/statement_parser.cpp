@@ -25,8 +25,17 @@ constexpr auto kKeywords = std::to_array<Keyword>({
     {"logmsg", Statement::message, MessageKind::log},
 });
 
+/// Of Eding CNC 4.02 and 4.03, which macro files of those versions contain.
+constexpr auto kLaterStatements =
+    std::to_array<std::string_view>({"exec", "gettoolinfo", "modbus", "zhccheck", "zhcinitex"});
+
 [[nodiscard]] bool equals(std::string_view text, std::string_view lower) {
   return std::ranges::equal(text, lower, {}, upper, upper);
+}
+
+[[nodiscard]] bool is_later(std::string_view name) {
+  return std::ranges::any_of(kLaterStatements,
+                             [&](std::string_view later) { return equals(name, later); });
 }
 
 [[nodiscard]] KeywordMatch keyword_named(std::string_view name) {
@@ -82,9 +91,13 @@ class StatementParser {
     const Span span = cursor_.span_here(letters.size());
     const KeywordMatch match = take_keyword(cursor_);
     if (!match) {
-      return refuse(ErrorCode::unknown_statement, span,
-                    fmt::format("\"{}\" is not a statement that this interpreter knows.", letters),
-                    statement_names());
+      return refuse(
+          ErrorCode::unknown_statement, span,
+          fmt::format("\"{}\" is {}.", letters,
+                      is_later(letters)
+                          ? "a statement of versions behind 4.01, which are not this language"
+                          : "not a statement that this interpreter knows"),
+          statement_names());
     }
     line_.special = match.special;
     line_.statement = match.keyword ? match.keyword->statement : Statement::special;

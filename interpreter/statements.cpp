@@ -115,7 +115,9 @@ Accepted open_log_file(Execution& x, Arguments arguments) {
 Accepted store_position(Execution& x, Arguments arguments) {
   const auto append = append_flag(arguments, true);
   if (!append) return std::unexpected(append.error());
-  x.emit(StorePosition{arguments[0].text, *append, x.state().work_position()});
+  Position position = x.state().work_position();
+  if (x.state().diameter_programming) position[Axis::X] *= 2.0;  // as a program writes it
+  x.emit(StorePosition{arguments[0].text, *append, position});
   return {};
 }
 

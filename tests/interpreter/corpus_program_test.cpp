@@ -113,6 +113,18 @@ TEST_CASE("Every program of the corpus ends as its row says", "[GCO-2][LNG-10][L
   CHECK(report.errors[0].code == row.code);
 }
 
+TEST_CASE("A 3D print of the corpus runs on a 3D printer", "[GCO-12][LNG-11]") {
+  if (corpus_missing()) return;
+  const auto program = Program::open(kPrograms + "joewalnes--15mm_cube.gcode");
+  REQUIRE(program.has_value());
+  InterpreterSettings printer;
+  printer.is_3d_printer = true;
+  const CheckReport report = check(*program, printer, {}, {}, {});
+  for (const Diagnostic& error : report.errors) UNSCOPED_INFO(error.to_string());
+  CHECK(report.ok());
+  CHECK(report.motion.highest[Axis::A] > 280.0);  // E282.07859, its last extrusion
+}
+
 TEST_CASE("Every program of the corpus has a row", "[LNG-11]") {
   if (corpus_missing()) return;
   std::set<std::string> rows;

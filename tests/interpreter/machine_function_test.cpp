@@ -100,3 +100,44 @@ TEST_CASE("Active codes are shown in program units", "[GUI-2]") {
   CHECK(run("G20\nG64 F10\nG43 H2\nG59.2 G90.1 M7\nG92 X1\n").modal.active_codes() ==
         "G80 G17 G20 G40 G43 H2 G59.2 G64 G90 G90.1 G92 G94 G97 M5 M7 M48 T0 F10 S0");
 }
+
+TEST_CASE("On a 3D printer E is the A axis, and M84 switches no spindle output", "[GCO-12]") {
+  Bench printer;
+  printer.settings.is_3d_printer = true;
+  const auto row = GENERATE(values<std::pair<const char*, const char*>>({
+      {"G0 E5", "STRAIGHT_TRAVERSE(0.000000, 0.000000, 0.000000, 5.000000, 0.000000, 0.000000)"},
+      {"G0 X1 E2.5",
+       "STRAIGHT_TRAVERSE(1.000000, 0.000000, 0.000000, 2.500000, 0.000000, 0.000000)"},
+      {"G0 E[2+1]",
+       "STRAIGHT_TRAVERSE(0.000000, 0.000000, 0.000000, 3.000000, 0.000000, 0.000000)"},
+      {"G0 A5", "STRAIGHT_TRAVERSE(0.000000, 0.000000, 0.000000, 5.000000, 0.000000, 0.000000)"},
+      {"G92 E0", "SET_G92_OFFSETS(0.000000, 0.000000, 0.000000, 0.000000, 0.000000, 0.000000)"},
+      {"M54 E1 Q500", "SET_ANALOG_OUTPUT(1, 0.500000)"},  // its own E
+      {"M82\nM84", ""},
+  }));
+  INFO(row.first);
+  CHECK(test::text_of(printer.run(row.first)) == row.second);
+  CHECK(refusal_of(printer.run("G0 A1 E1")) == "word_repeated@7");
+  CHECK(refusal_of("G0 X1 E5") == "word_unused@7");
+  CHECK(commands_of("M84") == "SET_SPINDLE_OUTPUT(DIRECTION, ON)");
+}
+
+TEST_CASE("sp stores X as a program writes it: under diameter programming as a diameter",
+          "[LNG-7][CFG-17]") {
+  const bool is_lathe = GENERATE(false, true);
+  InterpreterSettings settings;
+  settings.diameter_programming = is_lathe;
+  std::optional<Position> stored;
+  double reached = 0.0;
+  CheckOptions options;
+  options.sink = [&](const Command& command) {
+    if (const auto* store = std::get_if<StorePosition>(&command.body))
+      stored = store->work_position;
+    if (const auto* rapid = std::get_if<RapidMove>(&command.body)) reached = rapid->end[Axis::X];
+  };
+  const auto program = Program::from_text("G0 X20 Z4\nsp \"a\"\n", "job").value();
+  REQUIRE(check(program, settings, {}, {}, {}, options).ok());
+  CHECK(reached == (is_lathe ? 10.0 : 20.0));
+  REQUIRE(stored.has_value());
+  CHECK(*stored == Position{20, 0, 4});
+}
