@@ -1,25 +1,6 @@
 // The link loop is real-time: after connect() neither driver nor board allocates.
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
+#include "tests/allocations.h"
 #include "tests/hal/machine_support.h"
-
-namespace {
-std::atomic<std::uint64_t> allocations{0};
-}
-
-void* operator new(std::size_t size) {
-  ++allocations;
-  if (void* memory = std::malloc(size)) return memory;
-  throw std::bad_alloc();
-}
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  ++allocations;
-  return std::malloc(size);
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 
 using namespace cnc;
 using namespace cnc::hal;
@@ -31,8 +12,8 @@ TEST_CASE("Exchange, push and the other real-time calls allocate nothing", "[hal
                                     .heaters = {{.pwm = 1}},
                                     .loop_back_delay = 0.01}});
   REQUIRE(controller->connect());
-  REQUIRE(allocations > 0);  // the counter counts: the controller itself is on the heap
-  const std::uint64_t before = allocations;
+  REQUIRE(test::allocations() > 0);  // the counter counts: the controller itself is on the heap
+  const std::size_t before = test::allocations();
   controller->set_outputs({.drives_enabled = true, .spindle_pwm = 0.5, .ports = Ports(5)});
   controller->arm_home_latch(Axis::X, LatchEdge::activate);
   for (std::uint32_t i = 1; i <= 1000; ++i) {
@@ -52,7 +33,7 @@ TEST_CASE("Exchange, push and the other real-time calls allocate nothing", "[hal
   controller->clear_faults();
   controller->set_position(Axis::Y, 1.0);
   const Position end = controller->exchange(6.0).position;
-  const std::uint64_t after = allocations;
+  const std::size_t after = test::allocations();
   CHECK(after == before);
   CHECK(end[Axis::X] > 40.0);
 }

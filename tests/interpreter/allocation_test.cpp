@@ -1,29 +1,8 @@
 // A plain motion line allocates nothing, and neither does a round of a loop.
-#include <atomic>
 #include <catch2/catch.hpp>
-#include <cstdlib>
-#include <new>
 
+#include "tests/allocations.h"
 #include "tests/interpreter/support.h"
-
-namespace {
-
-std::atomic<std::size_t> allocations{0};
-
-}  // namespace
-
-// All forms that libstdc++ and Catch2 use, so that what one allocates the other frees.
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-  allocations.fetch_add(1, std::memory_order_relaxed);
-  return std::malloc(size);
-}
-void* operator new(std::size_t size) {
-  if (void* memory = operator new(size, std::nothrow)) return memory;
-  throw std::bad_alloc();
-}
-void operator delete(void* memory) noexcept { std::free(memory); }
-void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
-void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
 
 using namespace cnc;
 using namespace cnc::interp;
@@ -38,10 +17,11 @@ std::size_t allocations_of(const std::string& text, int warm_up) {
   Interpreter interpreter({}, parameters, tools);
   interpreter.start(program, {});
   for (int i = 0; i < warm_up; ++i) REQUIRE(interpreter.next() == Progress::command);
-  const std::size_t before = allocations.load();
+  const std::size_t before = cnc::test::allocations();
   int commands = 0;
   while (interpreter.next() != Progress::ended) ++commands;
-  const std::size_t after = allocations.load();
+  const std::size_t after = cnc::test::allocations();
+  REQUIRE(before > 0);  // the counter counts
   REQUIRE(commands > 1000);
   return after - before;
 }
