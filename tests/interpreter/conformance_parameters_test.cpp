@@ -1,6 +1,7 @@
 // Conformance of the parameters: the table of manual 3.1.1, row by row: what a number reads, and
 // whether a program can write it.
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "tests/interpreter/support.h"
 
@@ -166,8 +167,7 @@ TEST_CASE("A program can write what is its own", "[conformance][LNG-1]") {
                5221, 5226, 5230, 5241, 5261, 5281, 5301, 5321, 5341, 5361, 5370, 5381, 5386, 5398,
                5399, 5401, 5499, 5501, 5599, 5601, 5699, 5701, 5799);
   Bench bench;
-  CHECK(value_of(bench, "#" + std::to_string(number) + "=5\n", "#" + std::to_string(number)) ==
-        5.0);
+  CHECK(value_of(bench, fmt::format("#{}=5\n", number), fmt::format("#{}", number)) == 5.0);
 }
 
 TEST_CASE("What a program cannot write is refused with what to do instead",

@@ -1,6 +1,7 @@
 // Program texts: lines, index, files.
 #include <catch2/catch.hpp>
 #include <filesystem>
+#include <fmt/format.h>
 #include <fstream>
 #include <unistd.h>
 
@@ -18,7 +19,7 @@ class TemporaryFile {
  public:
   explicit TemporaryFile(const std::string& content)
       : path_(std::filesystem::temp_directory_path() /
-              ("program_test." + std::to_string(::getpid()) + ".ngc")) {
+              fmt::format("program_test.{}.ngc", ::getpid())) {
     std::ofstream(path_, std::ios::binary) << content;
   }
   ~TemporaryFile() { std::filesystem::remove(path_); }
@@ -37,11 +38,11 @@ ErrorCode code_of(const Result<std::shared_ptr<const Program>>& program) {
 
 TEST_CASE("Every line of a program is found by its number", "[JOB-6]") {
   std::string text;
-  for (int line = 1; line <= 1000; ++line) text += "N" + std::to_string(line) + "\r\n";
+  for (int line = 1; line <= 1000; ++line) text += fmt::format("N{}\r\n", line);
   const auto program = Program::from_text(text, "numbers").value();
   REQUIRE(program->line_count() == 1000);
   for (std::uint32_t line = 1; line <= 1000; ++line) {
-    CHECK(program->line(line) == "N" + std::to_string(line));
+    CHECK(program->line(line) == fmt::format("N{}", line));
   }
   CHECK(program->line(1001).empty());
   CHECK(program->line(0) == "N1");
