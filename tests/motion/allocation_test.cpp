@@ -2,10 +2,12 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "motion/jerk_plan.h"
 #include "motion/jog.h"
 #include "motion/setpoint_check.h"
 #include "tests/allocations.h"
 #include "tests/motion/trajectory.h"
+#include "tests/motion/tube_path.h"
 
 namespace cnc::motion::test {
 
@@ -36,6 +38,30 @@ TEST_CASE("Drawing setpoints, checking them, hold and overrides allocate nothing
   CHECK(cnc::test::allocations() == before);
   CHECK(good);
   CHECK(count > 1000);
+}
+
+TEST_CASE("Third-order planning, driving, hold and overrides allocate nothing", "[MOT-3]") {
+  JerkPlan plan({Position::filled(100), Position::filled(500), Position::filled(20'000)});
+  const PathInterval interval = straight_interval(0.5, 80.0);
+  const std::size_t before = cnc::test::allocations();
+  int appended = 0;
+  int cells = 0;
+  while (cells < 20'000 && !(plan.idle() && appended == 1000)) {
+    while (appended < 1000 && plan.wants_path()) {
+      plan.append(interval);
+      ++appended;
+    }
+    if (appended == 1000) plan.close();
+    if (plan.due()) (void)plan.plan();
+    plan.advance(plan.time_in_cell());
+    plan.forget_before(plan.place());
+    if (++cells % 97 == 0) plan.set_override(0.2 + 0.01 * (cells % 90));
+    if (cells % 301 == 0) plan.hold();
+    if (cells % 307 == 0 || plan.standing()) plan.resume();
+  }
+  CHECK(cnc::test::allocations() == before);
+  CHECK(plan.idle());
+  CHECK(cells > 900);
 }
 
 }  // namespace cnc::motion::test

@@ -1,0 +1,196 @@
+// How a JerkPlan goes on: a guess for the longer path, rounds, and what becomes of the result.
+#include <algorithm>
+#include <cmath>
+
+#include "motion/jerk_plan.h"
+
+namespace cnc::motion {
+
+namespace {
+
+using Phase = MotionPlace::Phase;
+
+/// Rounds of a plan, and how many more when it still breaks a limit.
+constexpr int kRounds = 12;
+constexpr int kMoreRounds = 24;
+
+/// A finished plan may use kUsageOfPlan of x.
+constexpr double kFeedReserve = 0.5 * (kUsageOfPlan - 1.0) * 1.01;
+
+/// New cells in one plan. The rounds of a longer window are slower: one step length for all.
+constexpr int kCellsPerPlan = 150;
+
+/// The guess uses these parts of the limits.
+constexpr double kGuessedPart = 0.5;
+constexpr double kGuessedSpeed = 0.9;
+constexpr double kGuessedStandstill = 0.3;
+
+constexpr double kSlower = 0.8;
+
+/// The end of a plan shapes what comes before it for about the time that stopping takes; this many
+/// of them are planned anew.
+constexpr double kTimeOfInfluence = 1.0;
+
+}  // namespace
+
+bool JerkPlan::plan() {
+  rounds_ = 0;
+  if (place_.phase == Phase::stopping) return false;
+  if (changed_) split_present_cell();
+  const bool done = held_ ? plan_hold() : plan_run();
+  if (done) changed_ = false;
+  return done;
+}
+
+// --- Going on ------------------------------------------------------------------------------------
+
+bool JerkPlan::plan_run() {
+  const bool from_rest = standing();
+  if (from_rest) {
+    if (!cutter_.path_left()) return false;
+    begin_run();
+  }
+  auto first = from_rest ? window_.cells.end() : first_free();
+  if (!first) return false;
+  if (!changed_) first = std::max(*first, first_worth_changing());
+  cut();
+  if (window_.cells.empty()) return false;
+  const Stop stop = stop_behind(window_);
+  window_.end = stop.end;
+  guess(*first);
+  bool kept = run_rounds(*first, kRounds);
+  if (!kept && from_rest) kept = slow_down_until_kept(*first);
+  if (!kept) return false;
+  put_in_force(stop);
+  if (from_rest) place_ = {Phase::starting, 0, 0.0};
+  return true;
+}
+
+void JerkPlan::begin_run() {
+  window_.cells.clear();
+  run_begin_ = window_.cells.end();
+  cutter_.go_to(standstill_, 0.0);
+  start_length_ = cutter_.begin_run();
+  window_.most_start_x = cutter_.reach_of(standstill_, start_length_).standstill_x(start_length_);
+  cutter_.skip(start_length_);
+  stop_ = {};
+  stop_.cell = run_begin_;
+}
+
+void JerkPlan::cut() {
+  for (int i = 0; i < kCellsPerPlan && window_.cells.free() > 0; ++i) {
+    const auto cell = cutter_.next();
+    if (!cell) return;
+    push_cell(*cell);
+  }
+}
+
+void JerkPlan::push_cell(const SpeedCell& cell) {
+  auto& cells = window_.cells;
+  if (!cells.empty()) {
+    cells.push_back(planned_behind(cells.back(), cell));
+    return;
+  }
+  PlannedCell planned;
+  planned.cell = cell;
+  planned.knot.behind = part_beside_standstill(cell.length, start_length_);
+  cells.push_back(planned);
+}
+
+JerkPlan::Stop JerkPlan::stop_behind(const SpeedWindow& window) const {
+  Stop stop;
+  stop.cell = window.cells.end();
+  stop.place = cutter_.place();
+  stop.length = cutter_.stop_length();
+  stop.end.most_x = cutter_.reach_of(stop.place, stop.length).standstill_x(stop.length);
+  stop.end.knot.before = part_beside_standstill(window.cells.back().cell.length, stop.length);
+  return stop;
+}
+
+/// What is driven now, and x and w at its end, cannot change any more: they fix the coefficient of
+/// the cell behind it.
+std::optional<std::uint64_t> JerkPlan::first_free() const {
+  std::uint64_t fixed = run_begin_;
+  if (place_.phase == Phase::driving) fixed = place_.time > 0.0 ? place_.cell + 1 : place_.cell;
+  if (fixed >= stop_.cell) return std::nullopt;
+  return fixed + 1;
+}
+
+/// Far enough before the stop in force, a longer path changes nothing.
+std::uint64_t JerkPlan::first_worth_changing() const {
+  double left = kTimeOfInfluence * stopping_time_;
+  std::uint64_t index = stop_.cell;
+  while (index > window_.cells.first() + 1 && left > 0.0) left -= duration_of(--index);
+  return index;
+}
+
+/// x over the next half cells with moderate acceleration, within moderate speeds.
+double JerkPlan::guess_forward(std::uint64_t index, double x, double way) const {
+  const PlannedCell& planned = window_.cells[index];
+  const Reach& reach = planned.cell.reach;
+  return std::min({x + 2.0 * way * reach.moderate_w(x), reach.cruise_x(kGuessedPart),
+                   kGuessedSpeed * planned.cell.machine_x, kGuessedSpeed * planned.wanted_x});
+}
+
+/// Where the rounds begin: second-order envelopes from both ends with half of the limits, or the
+/// plan in force where that is faster.
+void JerkPlan::guess(std::uint64_t first) {
+  auto& cells = window_.cells;
+  for (std::uint64_t i = cells.first(); i != cells.end(); ++i) {
+    PlannedCell& planned = cells[i];
+    const double feed = override_ * (1.0 - kFeedReserve);
+    planned.wanted_x = feed * feed * planned.cell.feed_x;
+    planned.feed_is_kept = true;
+    if (i >= stop_.cell) continue;
+    planned.x = planned.x_in_force;
+    const CellX now = x_in_force(i);
+    planned.feed_is_kept = std::max({now[0], now[1], now[2]}) <= kUsageOfPlan * planned.wanted_x;
+  }
+  const bool from_rest = first == run_begin_;
+  double x = from_rest ? kGuessedStandstill * window_.most_start_x : cells[first - 1].x;
+  double before = from_rest ? 0.0 : cells[first - 1].cell.length;
+  for (std::uint64_t i = first; i != cells.end(); ++i) {
+    x = guess_forward(i, x, 0.5 * (before + cells[i].cell.length));
+    before = cells[i].cell.length;
+    cells[i].guess = x;
+  }
+  x = kGuessedStandstill * window_.end.most_x;
+  before = 0.0;
+  for (std::uint64_t i = cells.end(); i-- > first;) {
+    PlannedCell& planned = cells[i];
+    x = std::min(guess_forward(i, x, 0.5 * (before + planned.cell.length)), planned.guess);
+    before = planned.cell.length;
+    const bool in_force = i < stop_.cell;
+    window_.reset_weights(i);
+    planned.x = in_force ? std::max(planned.x_in_force, x) : x;
+  }
+}
+
+bool JerkPlan::run_rounds(std::uint64_t first, int rounds) {
+  for (int most = rounds + kMoreRounds; rounds_ < most; ++rounds_) {
+    const bool more = window_.improve(first);
+    if (more && rounds_ + 1 < rounds) continue;
+    if (window_.usage(first) <= kUsageOfPlan) return true;
+    window_.defend_harder(first);
+  }
+  return false;
+}
+
+/// From standstill to standstill a slower motion breaks no limit that it kept before: acceleration
+/// goes with x and jerk with its power 1.5.
+bool JerkPlan::slow_down_until_kept(std::uint64_t first) {
+  for (int i = 0; i < kMoreRounds; ++i) {
+    for (std::uint64_t k = first; k != window_.cells.end(); ++k) window_.cells[k].x *= kSlower;
+    if (window_.usage(first) <= kUsageOfPlan) return true;
+  }
+  return false;
+}
+
+void JerkPlan::put_in_force(const Stop& stop) {
+  for (std::uint64_t i = window_.cells.first(); i != stop.cell; ++i) {
+    window_.cells[i].x_in_force = window_.cells[i].x;
+  }
+  stop_ = stop;
+}
+
+}  // namespace cnc::motion

@@ -1,0 +1,34 @@
+// The path as the third-order speed plan sees it: how position changes along its parameter.
+#pragma once
+
+#include <cstdint>
+
+#include "config/axis.h"
+
+namespace cnc::motion {
+
+/// A stretch of the path on which q(u) is a cubic of the parameter u. First and second derivative
+/// are continuous from one interval to the next within a run; the third may jump. |q'| should be
+/// near 1 (u is nearly the distance in mm): the choice of step lengths relies on it, no limit does.
+struct PathInterval {
+  double length = 0.0;   ///< of u, > 0
+  Position first;        ///< q' at its begin
+  Position second;       ///< q'' at its begin
+  Position third;        ///< q''', constant
+  double feed = 0.0;     ///< wanted speed in X Y Z, mm/s; of A B C, deg/s, where X Y Z rest; > 0
+  std::uint64_t id = 0;  ///< the caller's
+
+  [[nodiscard]] Position first_at(double u) const {
+    return first + u * second + (0.5 * u * u) * third;
+  }
+  [[nodiscard]] Position second_at(double u) const { return second + u * third; }
+};
+
+/// Limits of the third-order plan, per axis; each > 0 for every axis that may move.
+struct JerkLimits {
+  Position velocity;
+  Position acceleration;
+  Position jerk;
+};
+
+}  // namespace cnc::motion
