@@ -78,8 +78,7 @@ bool JerkPlan::plan_hold() {
     take_over_trial(*first);
     return true;
   }
-  cutter_.go_to(stop_.place, window_.cells.back().cell.length);
-  while (window_.cells.end() > stop_.cell) window_.cells.pop_back();
+  drop_cells_behind_stop();
   return distance >= until_stop;
 }
 
@@ -119,12 +118,12 @@ bool JerkPlan::make_trial(std::uint64_t first) {
     planned.wanted_x = fixed.x;
     planned.feed_is_kept = false;
     cells.push_back(planned);
-    trial_.reset_weights(cells.end() - 1);
   }
   if (cells.size() < 2) return false;
   trial_.most_start_x = kInfinity;
   trial_.end = stop_behind(trial_).end;
   guess_braking();
+  trial_.reset_weights(cells.first() + 1);
   return true;
 }
 

@@ -85,6 +85,8 @@ class JerkPlan {
   [[nodiscard]] int rounds() const { return rounds_; }
 
  private:
+  static constexpr int kMostNewCells = 150;
+
   struct Stop {
     std::uint64_t cell = 0;  ///< behind the last cell before it
     EndOfCells end;
@@ -112,6 +114,7 @@ class JerkPlan {
   bool run_rounds(std::uint64_t first, int rounds);
   bool slow_down_until_kept(std::uint64_t first);
   void put_in_force(const Stop& stop);
+  void drop_cells_behind_stop();
 
   bool plan_hold();
   void split_present_cell();
@@ -135,7 +138,8 @@ class JerkPlan {
   double stopping_time_ = 0.0;  ///< and the time for it
   double override_ = 1.0;
   bool held_ = false;
-  bool changed_ = false;  ///< hold, resume or override since the last plan
+  bool changed_ = false;           ///< hold, resume or override since the last plan
+  int new_cells_ = kMostNewCells;  ///< of the next plan
   int rounds_ = 0;
 };
 

@@ -17,8 +17,9 @@ constexpr int kMoreRounds = 24;
 /// A finished plan may use kUsageOfPlan of x.
 constexpr double kFeedReserve = 0.5 * (kUsageOfPlan - 1.0) * 1.01;
 
-/// New cells in one plan. The rounds of a longer window are slower: one step length for all.
-constexpr int kCellsPerPlan = 150;
+/// New cells in one plan; fewer after one that failed. The rounds of a longer window are slower:
+/// they have one step length for all.
+constexpr int kFewestNewCells = 10;
 
 /// The guess uses these parts of the limits.
 constexpr double kGuessedPart = 0.5;
@@ -58,12 +59,24 @@ bool JerkPlan::plan_run() {
   const Stop stop = stop_behind(window_);
   window_.end = stop.end;
   guess(*first);
+  window_.reset_weights(*first);
   bool kept = run_rounds(*first, kRounds);
   if (!kept && from_rest) kept = slow_down_until_kept(*first);
-  if (!kept) return false;
+  if (!kept) {
+    new_cells_ = std::max(kFewestNewCells, new_cells_ / 2);
+    drop_cells_behind_stop();
+    return false;
+  }
   put_in_force(stop);
+  new_cells_ = std::min(kMostNewCells, 2 * new_cells_);
   if (from_rest) place_ = {Phase::starting, 0, 0.0};
   return true;
+}
+
+void JerkPlan::drop_cells_behind_stop() {
+  auto& cells = window_.cells;
+  while (cells.end() > stop_.cell) cells.pop_back();
+  if (!cells.empty()) cutter_.go_to(stop_.place, cells.back().cell.length);
 }
 
 void JerkPlan::begin_run() {
@@ -78,7 +91,7 @@ void JerkPlan::begin_run() {
 }
 
 void JerkPlan::cut() {
-  for (int i = 0; i < kCellsPerPlan && window_.cells.free() > 0; ++i) {
+  for (int i = 0; i < new_cells_ && window_.cells.free() > 0; ++i) {
     const auto cell = cutter_.next();
     if (!cell) return;
     push_cell(*cell);
@@ -161,7 +174,6 @@ void JerkPlan::guess(std::uint64_t first) {
     x = std::min(guess_forward(i, x, 0.5 * (before + planned.cell.length)), planned.guess);
     before = planned.cell.length;
     const bool in_force = i < stop_.cell;
-    window_.reset_weights(i);
     planned.x = in_force ? std::max(planned.x_in_force, x) : x;
   }
 }

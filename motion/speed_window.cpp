@@ -88,13 +88,15 @@ CellX SpeedWindow::moved_x(std::uint64_t index, std::uint64_t first, double part
           finish.before * own + behind + finish.given};
 }
 
-void SpeedWindow::reset_weights(std::uint64_t index) {
-  cells[index].weight = kFirstWeight;
-  cells[index].least = kFirstLeast;
+void SpeedWindow::reset_weights(std::uint64_t first) {
+  for (std::uint64_t i = first_touched(first); i != cells.end(); ++i) {
+    cells[i].weight = kFirstWeight;
+    cells[i].least = kFirstLeast;
+  }
 }
 
 void SpeedWindow::defend_harder(std::uint64_t first) {
-  for (std::uint64_t i = first; i != cells.end(); ++i) {
+  for (std::uint64_t i = first_touched(first); i != cells.end(); ++i) {
     if (usage_of(i) <= kUsageOfPlan) continue;
     cells[i].weight = std::min(kFirstWeight, kHarder * cells[i].weight);
     cells[i].least /= kHarder;
@@ -246,9 +248,9 @@ bool SpeedWindow::improve(std::uint64_t first) {
     part *= 0.5;
   }
   bool settled = true;
-  for (std::uint64_t i = first; i != cells.end(); ++i) {
+  for (std::uint64_t i = begin; i != cells.end(); ++i) {
     PlannedCell& planned = cells[i];
-    planned.x += part * step_[i - first];
+    if (i >= first) planned.x += part * step_[i - first];
     settled = settled && planned.weight <= kLeastWeight && planned.least <= kLeastLeast;
     if (part < kPartThatCounts) continue;
     planned.weight =

@@ -79,8 +79,8 @@ class SpeedWindow {
   /// Bernstein coefficients of a cell as worked on.
   [[nodiscard]] CellX x_of(std::uint64_t index) const;
 
-  /// Lets the rounds begin anew for cell `index`.
-  void reset_weights(std::uint64_t index);
+  /// Lets the rounds begin anew for the middle coefficients [first, end).
+  void reset_weights(std::uint64_t first);
   /// Raises the barriers of the cells that break a limit.
   void defend_harder(std::uint64_t first);
   /// One Newton step for the middle coefficients [first, end). False when there is nothing left to
