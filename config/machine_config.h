@@ -42,6 +42,8 @@ struct TrajectoryConfig {
   double interpolation_time = 0.005;  ///< s
   double fifo_time = 0.25;            ///< s of motion kept in the board
   double laf_angle = 1.0;             ///< degrees
+  double path_tolerance = 0.02;       ///< mm; of G64 without P
+  double tolerance_use = 1.0;         ///< 0 … 1
 
   friend bool operator==(const TrajectoryConfig&, const TrajectoryConfig&) = default;
 };

@@ -139,23 +139,23 @@ Position Arc::bend(double s) const {
   return result;
 }
 
-// --- CornerBlend ---------------------------------------------------------------------------------
+// --- Cubic ---------------------------------------------------------------------------------------
 
-CornerBlend::CornerBlend(const Position& start, const Position& start_tangent, const Position& end,
-                         const Position& end_tangent, double length)
-    : start_(start), end_(end), c1_(start_tangent), length_(length) {
+Cubic hermite_cubic(const Position& start, const Position& start_tangent, const Position& end,
+                    const Position& end_tangent, double length) {
   const Position chord = (end - start) * (1.0 / length);
-  c2_ = (3.0 * chord - 2.0 * start_tangent - end_tangent) * (1.0 / length);
-  c3_ = (start_tangent + end_tangent - 2.0 * chord) * (1.0 / (length * length));
+  const Position c2 = (3.0 * chord - 2.0 * start_tangent - end_tangent) * (1.0 / length);
+  const Position c3 = (start_tangent + end_tangent - 2.0 * chord) * (1.0 / (length * length));
+  return {start, start_tangent, c2, c3, end, length};
 }
 
-Position CornerBlend::point(double s) const {
+Position Cubic::point(double s) const {
   return s >= length_ ? end_ : start_ + s * (c1_ + s * (c2_ + s * c3_));
 }
 
-Position CornerBlend::tangent(double s) const { return c1_ + s * (2.0 * c2_ + (3.0 * s) * c3_); }
+Position Cubic::tangent(double s) const { return c1_ + s * (2.0 * c2_ + (3.0 * s) * c3_); }
 
-Position CornerBlend::bend(double s) const { return 2.0 * c2_ + (6.0 * s) * c3_; }
+Position Cubic::bend(double s) const { return 2.0 * c2_ + (6.0 * s) * c3_; }
 
 // --- Curve ---------------------------------------------------------------------------------------
 
@@ -177,13 +177,13 @@ Position point_of(const Curve& curve, double s) {
 Position tangent_of(const Curve& curve, double s) {
   if (const auto* line = std::get_if<Line>(&curve)) return line->direction();
   if (const auto* arc = std::get_if<Arc>(&curve)) return arc->tangent(s);
-  return std::get<CornerBlend>(curve).tangent(s);
+  return std::get<Cubic>(curve).tangent(s);
 }
 
 Position bend_of(const Curve& curve, double s) {
   if (std::holds_alternative<Line>(curve)) return {};
   if (const auto* arc = std::get_if<Arc>(&curve)) return arc->bend(s);
-  return std::get<CornerBlend>(curve).bend(s);
+  return std::get<Cubic>(curve).bend(s);
 }
 
 }  // namespace cnc::motion

@@ -1,9 +1,10 @@
-// The exact curves of a path: straight line, arc (helix, spiral) and corner blend.
+// The exact curves of a path: straight line, arc (helix, spiral) and cubic.
 //
 // Each maps a parameter s in [0, length] to a position of all six axes. s is the distance travelled
-// in X Y Z, in mm, so that ds/dt is the feed; a move that turns rotary axes only has its distance
-// in degrees. |q'(s)| over the axes that define s is 1 at both ends of every curve (and all along
-// lines and arcs): ds/dt is therefore continuous where curves of the same measure meet.
+// in X Y Z, in mm; a move that turns rotary axes only has its distance in degrees. |q'(s)| over the
+// axes that define s is 1 all along lines and arcs and at both ends of corner blends, so that ds/dt
+// is continuous where they meet. The spans of a smoothed path have the parameter of the program
+// that they smooth: where they cut a corner, |q'| is less than 1, but continuous from span to span.
 #pragma once
 
 #include <cstdint>
@@ -100,30 +101,37 @@ class Arc {
 inline constexpr double kRadiusMismatch = 0.05;
 inline constexpr double kRadiusMismatchRatio = 0.001;
 
-/// Replaces the surroundings of a corner: the cubic with given positions and tangents at both ends.
-/// Between two straight lines, cut back equally, it is a parabola with constant q''.
-class CornerBlend {
+/// A cubic polynomial: a corner blend, or a span of a smoothed path (tube_spline.h).
+class Cubic {
  public:
-  CornerBlend() = default;
-  CornerBlend(const Position& start, const Position& start_tangent, const Position& end,
-              const Position& end_tangent, double length);
+  Cubic() = default;
+  /// q = start + c1 s + c2 s² + c3 s³ for s in [0, length]; `end` is what that comes to.
+  Cubic(const Position& start, const Position& c1, const Position& c2, const Position& c3,
+        const Position& end, double length)
+      : start_(start), end_(end), c1_(c1), c2_(c2), c3_(c3), length_(length) {}
 
   [[nodiscard]] double length() const { return length_; }
   [[nodiscard]] Position point(double s) const;
   [[nodiscard]] Position tangent(double s) const;
   [[nodiscard]] Position bend(double s) const;
+  [[nodiscard]] Position third() const { return 6.0 * c3_; }  ///< q'''
   [[nodiscard]] const Position& end() const { return end_; }
 
  private:
   Position start_;
   Position end_;
-  Position c1_;  ///< q = start + c1 s + c2 s² + c3 s³
+  Position c1_;
   Position c2_;
   Position c3_;
   double length_ = 0.0;
 };
 
-using Curve = std::variant<Line, Arc, CornerBlend>;
+/// The cubic with given positions and tangents at both ends (Hermite). Between two straight lines,
+/// cut back equally, it is a parabola with constant q''.
+[[nodiscard]] Cubic hermite_cubic(const Position& start, const Position& start_tangent,
+                                  const Position& end, const Position& end_tangent, double length);
+
+using Curve = std::variant<Line, Arc, Cubic>;
 
 [[nodiscard]] double length_of(const Curve& curve);
 [[nodiscard]] Measure measure_of(const Curve& curve);

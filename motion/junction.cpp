@@ -53,10 +53,10 @@ Junction judge_junction(const Curve& before, double before_end, const Curve& aft
   return {JunctionKind::blend, cut};
 }
 
-CornerBlend make_blend(const Curve& before, double before_end, const Curve& after, double cut) {
+Cubic make_blend(const Curve& before, double before_end, const Curve& after, double cut) {
   const double start = before_end - cut;
-  return {point_of(before, start), tangent_of(before, start), point_of(after, cut),
-          tangent_of(after, cut), 2.0 * cut};
+  return hermite_cubic(point_of(before, start), tangent_of(before, start), point_of(after, cut),
+                       tangent_of(after, cut), 2.0 * cut);
 }
 
 }  // namespace cnc::motion

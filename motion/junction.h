@@ -32,7 +32,7 @@ struct BlendLimits {
                                       const BlendLimits& limits);
 
 /// The blend from `cut` before the end of `before` to `cut` after the begin of `after`.
-[[nodiscard]] CornerBlend make_blend(const Curve& before, double before_end, const Curve& after,
+[[nodiscard]] Cubic make_blend(const Curve& before, double before_end, const Curve& after,
                                      double cut);
 
 }  // namespace cnc::motion

@@ -8,6 +8,7 @@
 #include "motion/extents.h"
 #include "motion/ring.h"
 #include "motion/sampler.h"
+#include "motion/smoother.h"
 #include "motion/track.h"
 
 namespace cnc::motion {
@@ -84,16 +85,33 @@ double time_alone(double length, double speed, double acceleration) {
 struct Planner::Impl {
   Impl(const PlannerSettings& wanted, const Position& start)
       : settings(wanted),
+        smoother(wanted.limits, wanted.tolerance_use),
         track(wanted.limits),
         sampler(std::clamp(wanted.max_setpoint_duration, 0.0005, 0.1)),
         position(start),
         queue_end(start) {}
 
-  /// Moves waiting curves onto the track, as far as planning looks ahead.
+  /// Moves waiting curves through the smoother onto the track, as far as planning looks ahead.
   void feed_track() {
-    while (track.extend() && !waiting.empty() && !track.sufficient()) {
-      track.append(waiting.front());
-      waiting.pop_front();
+    while (track.extend() && !track.sufficient()) {
+      if (smoother.ready()) {
+        append(smoother.take());
+      } else if (!waiting.empty()) {
+        smoother.add(waiting.front());
+        waiting.pop_front();
+      } else {
+        break;
+      }
+    }
+    track.plan();
+  }
+
+  void append(Piece piece) {
+    if (piece.entry != Entry::vertex) {
+      track.append_span(std::move(piece));
+    } else {
+      track.plan();
+      track.append(std::move(piece));
     }
   }
 
@@ -113,6 +131,8 @@ struct Planner::Impl {
     piece.follows_override = options.follows_override;
     piece.laf_angle = options.laf_angle.value_or(settings.laf_angle);
     piece.stop_at_end = options.stop_at_end;
+    piece.tolerance = options.tolerance;
+    piece.simplify = options.simplify;
     piece.tag = options.tag;
     waiting.reserve(waiting.size() + 1);
     waiting.push_back(std::move(piece));
@@ -124,10 +144,10 @@ struct Planner::Impl {
   /// A vanished move leaves nothing but its wish to stop.
   void add_nothing(const MoveOptions& options) {
     if (!options.stop_at_end) return;
-    if (waiting.empty()) {
-      track.stop_at_end();
-    } else {
+    if (!waiting.empty()) {
       waiting.back().stop_at_end = true;
+    } else if (!smoother.stop_at_end()) {
+      track.stop_at_end();
     }
   }
 
@@ -155,6 +175,7 @@ struct Planner::Impl {
   }
 
   PlannerSettings settings;
+  Smoother smoother;
   Track track;
   Sampler sampler;
   Ring<Piece> waiting;
@@ -192,10 +213,17 @@ Result<void> Planner::add_arc(const ArcShape& shape, const MoveOptions& options)
 
 bool Planner::full() const { return !impl_->waiting.empty() || impl_->track.sufficient(); }
 
-bool Planner::idle() const { return impl_->waiting.empty() && impl_->track.empty(); }
+bool Planner::idle() const {
+  return impl_->waiting.empty() && impl_->smoother.empty() && impl_->track.empty();
+}
 
-std::optional<Setpoint> Planner::next() {
+std::optional<Setpoint> Planner::next(Supply supply) {
+  const bool dry = supply == Supply::ended && !full();
   impl_->feed_track();
+  if (dry) {
+    impl_->smoother.finish();
+    impl_->feed_track();
+  }
   auto setpoint = impl_->sampler.next(impl_->track, impl_->held);
   if (setpoint) impl_->position = setpoint->position;
   return setpoint;
@@ -215,6 +243,7 @@ bool Planner::held() const { return impl_->held; }
 bool Planner::clear() {
   if (!impl_->standing()) return false;
   impl_->track.clear();
+  impl_->smoother.clear();
   impl_->waiting.clear();
   impl_->queue_end = impl_->position;
   return true;

@@ -28,6 +28,7 @@ struct PlannerSettings {
   AxisLimits limits;
   double max_setpoint_duration = 0.005;  ///< InterpolationTime, s; 0.0005 … 0.1
   double laf_angle = 1.0;                ///< junctions below this angle are not stopped at, degrees
+  double tolerance_use = 1.0;            ///< part of MoveOptions::tolerance that is used, 0 … 1
 };
 
 struct MoveOptions {
@@ -36,6 +37,8 @@ struct MoveOptions {
       0.0;  ///< programmed feed along the path, mm/s (deg/s for rotary-only); unused for rapids
   bool follows_override = true;     ///< false: threads and taps, whose feed is their pitch
   bool stop_at_end = false;         ///< exact stop (G61.1) after this move
+  double tolerance = 0.0;           ///< mm the path may leave the move by (G64 P); 0: exact path
+  double simplify = 0.0;            ///< mm within which short lines may become one (Q); 0: never
   std::optional<double> laf_angle;  ///< overrides the setting, degrees
   MoveTag tag;
 };
@@ -44,6 +47,12 @@ struct MoveOptions {
 inline constexpr double kLargestCoordinate = 1e7;
 inline constexpr double kLargestFeed = 1e6;
 inline constexpr std::int32_t kMostTurns = 1'000'000;
+
+/// Whether the caller has more moves than it has added so far.
+enum class Supply : std::uint8_t {
+  ended,   ///< no, or none before the machine has come to rest
+  coming,  ///< yes, they are only not known yet
+};
 
 class Planner {
  public:
@@ -64,8 +73,11 @@ class Planner {
   /// Nothing queued and standing still.
   [[nodiscard]] bool idle() const;
 
-  /// The next piece of motion; nothing when idle, or when held and standing still.
-  [[nodiscard]] std::optional<Setpoint> next();
+  /// The next piece of motion; nothing when idle, or when held and standing still. With a supply
+  /// that has ended before the planner is full() the smoothed path is closed exactly where the
+  /// moves end; while more is coming it stays open, and the machine stands still before its end if
+  /// it has to.
+  [[nodiscard]] std::optional<Setpoint> next(Supply supply = Supply::ended);
 
   /// Operator's overrides as factors; they act from the next setpoint on. Feed 0 … 3, 0 stops along
   /// the path like hold(); rapid 0 … 1. Values outside are brought inside. A change costs one pass

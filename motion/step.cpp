@@ -19,35 +19,69 @@ constexpr double kGridTime = 0.005;
 
 constexpr double kLargestTurn = 2.0 * std::numbers::pi / 180.0;
 
+/// Steps of a cubic keep the limits all along, whatever their length; finer ones only gain time.
+constexpr double kCubicTurn = 5.0 * std::numbers::pi / 180.0;
+constexpr double kMostCubicSteps = 4.0;
+
 /// |gain * w + offset * x| <= limit, solved for w: |w + slope * x| <= width.
 struct Row {
   double slope;
   double width;
 };
 
-/// The rows of a step: two per moving axis at most. An axis that does not feel w bounds x alone.
+/// |gain * w + offset * x| <= limit: what an axis' limit says about w and x.
+struct Demand {
+  double gain;
+  double offset;
+};
+
+/// What an axis demands on the way from `done` to the step's end: three of them at most.
+struct Demands {
+  Demand demand[3];
+  int count;
+};
+
+/// At the far end x has become x + 2 h w, so w counts there with q' + 2 h q''. In between lies the
+/// middle Bézier coefficient of the acceleration q' w + q'' (x + 2 w s), whose derivative by s is
+/// 3 q'' w + q''' x.
+Demands demands_of(const Step& step, Axis axis, double done) {
+  const double left = step.length - done;
+  const double third = (step.bend[1][axis] - step.bend[0][axis]) / step.length;
+  // Exact on cubics; on arcs the error is of the size of the reserve.
+  const double tangent = step.tangent[0][axis] +
+                         done / step.length * (step.tangent[1][axis] - step.tangent[0][axis]) -
+                         0.5 * third * done * left;
+  const double bend = step.bend[0][axis] + done * third;
+  const Demand end{step.tangent[1][axis] + 2.0 * left * step.bend[1][axis], step.bend[1][axis]};
+  if (!step.cubic) return {{{tangent, bend}, end}, 2};
+  return {{{tangent, bend}, end, {tangent + 1.5 * left * bend, bend + 0.5 * left * third}}, 3};
+}
+
+/// The rows of a step: three per moving axis at most. An axis that does not feel w bounds x alone.
 struct Rows {
-  Row row[2 * kAxisCount];
+  Row row[3 * kAxisCount];
   int count = 0;
   double largest_x = kInfinity;
 
-  void add(double gain, double offset, double limit) {
-    if (std::abs(gain) > kInsensitive) {
-      row[count++] = {offset / gain, limit / std::abs(gain)};
-    } else if (offset != 0.0) {
-      largest_x = std::min(largest_x, limit / std::abs(offset));
+  void add(const Demand& demand, double limit) {
+    if (std::abs(demand.gain) > kInsensitive) {
+      row[count++] = {demand.offset / demand.gain, limit / std::abs(demand.gain)};
+    } else if (demand.offset != 0.0) {
+      largest_x = std::min(largest_x, limit / std::abs(demand.offset));
     }
   }
 };
 
-/// At the far end x has become x + 2 h w, so w counts there with q' + 2 h q''.
+bool is_still(const Step& step, Axis axis) {
+  return step.tangent[0][axis] == 0.0 && step.bend[0][axis] == 0.0 && step.bend[1][axis] == 0.0;
+}
+
 Rows rows_of(const Step& step) {
   Rows rows;
   for (const Axis axis : kAllAxes) {
-    const double limit = step.acceleration[axis];
-    rows.add(step.tangent[0][axis], step.bend[0][axis], limit);
-    rows.add(step.tangent[1][axis] + 2.0 * step.length * step.bend[1][axis], step.bend[1][axis],
-             limit);
+    if (is_still(step, axis)) continue;
+    const Demands demands = demands_of(step, axis, 0.0);
+    for (int i = 0; i < demands.count; ++i) rows.add(demands.demand[i], step.acceleration[axis]);
   }
   return rows;
 }
@@ -74,10 +108,10 @@ double largest_w(const Rows& rows, double x) {
   return w;
 }
 
-Range intersect(Range range, double gain, double offset, double limit, double x) {
-  if (std::abs(gain) <= kInsensitive) return range;
-  const double centre = -offset * x / gain;
-  const double width = limit / std::abs(gain);
+Range intersect(Range range, const Demand& demand, double limit, double x) {
+  if (std::abs(demand.gain) <= kInsensitive) return range;
+  const double centre = -demand.offset * x / demand.gain;
+  const double width = limit / std::abs(demand.gain);
   return {std::max(range.low, centre - width), std::min(range.high, centre + width)};
 }
 
@@ -86,23 +120,17 @@ double turn_between(const Position& a, const Position& b) {
   return norm(b - a) / std::max(norm(a), norm(b));
 }
 
-/// How fast q'' itself changes, relative to its size: the curvature on arcs, nothing on parabolas.
-double rotation_of(const Step& step) {
-  const double change = norm(step.bend[1] - step.bend[0]) / step.length;
-  return step.curvature > 0.0 ? change / step.curvature : 0.0;
-}
-
-/// Part of the axes' accelerations that a curve must leave free, for two reasons. The limits are
-/// checked at both ends of a step only: a = q' w + q'' x with x' = 2w has a'' = 5 q''' w + q'''' x,
-/// and h²/8 of that is the height of the bow between the ends. And the cubic of a setpoint differs
-/// from the curve by the reserve, or by more on tiny arcs, of which even the shortest setpoint
-/// covers much.
+/// Part of the axes' accelerations that a curve must leave free, for two reasons. Except on cubics
+/// the limits are checked at both ends of a step only: a = q' w + q'' x with x' = 2w has
+/// a'' = 5 q''' w + q'''' x, and h²/8 of that is the height of the bow between the ends. And the
+/// cubic in time of a setpoint differs from the curve by the reserve, or by more on tiny arcs, of
+/// which even the shortest setpoint covers much.
 double free_part(const Step& step, double x, double w) {
   const double h = step.length;
-  const double r = step.rotation;
-  const double bow = step.curvature * r * (5.0 * w + r * x) * h * h / 8.0;
-  const double cubic = fourth_derivative(step, x, w) * kShortestSetpoint * kShortestSetpoint / 12.0;
-  return std::min(0.5, std::max(kCubicReserve, cubic / step.weakest) + bow / step.weakest);
+  const double bow = step.cubic ? 0.0 : (5.0 * step.third * w + step.fourth * x) * h * h / 8.0;
+  const double setpoint =
+      fourth_derivative(step, x, w) * kShortestSetpoint * kShortestSetpoint / 12.0;
+  return std::min(0.5, std::max(kCubicReserve, setpoint / step.weakest) + bow / step.weakest);
 }
 
 /// Part of a velocity limit, mm/s, that the same cubics need: they differ in velocity by p h³
@@ -142,6 +170,13 @@ Position largest_tangent(const Step& step, const Position& middle) {
   return largest;
 }
 
+/// The Bézier coefficients of q' bound its length.
+double largest_stretch(const Step& step) {
+  const Position middle = step.tangent[0] + 0.5 * step.length * step.bend[0];
+  return std::max(
+      {linear_length(step.tangent[0]), linear_length(middle), linear_length(step.tangent[1])});
+}
+
 double speed_limit(const Step& step, const Position& middle_tangent, const AxisLimits& limits) {
   Position velocity = limits.max_velocity;
   for (const Axis axis : kAllAxes) {
@@ -152,7 +187,9 @@ double speed_limit(const Step& step, const Position& middle_tangent, const AxisL
 
 void complete_curved(Step& step, const Position& middle_tangent, const AxisLimits& limits) {
   step.curvature = std::max(norm(step.bend[0]), norm(step.bend[1]));
-  step.rotation = rotation_of(step);
+  step.third = norm(step.bend[1] - step.bend[0]) / step.length;
+  // On arcs q'' turns with the curve; on cubics it is linear.
+  if (!step.cubic && step.curvature > 0.0) step.fourth = step.third * step.third / step.curvature;
   const double speed = speed_limit(step, middle_tangent, limits);
   const Rows rows = rows_of(step);
   const double x = std::min(speed * speed, largest_x(rows));
@@ -167,8 +204,7 @@ void complete_curved(Step& step, const Position& middle_tangent, const AxisLimit
 }  // namespace
 
 double fourth_derivative(const Step& step, double x, double w) {
-  const double r = step.rotation;
-  return step.curvature * (r * r * x * x + 6.0 * r * x * w + 3.0 * w * w);
+  return step.fourth * x * x + 6.0 * step.third * x * w + 3.0 * step.curvature * w * w;
 }
 
 Step make_step(const Curve& curve, double start, double length, const AxisLimits& limits) {
@@ -176,12 +212,14 @@ Step make_step(const Curve& curve, double start, double length, const AxisLimits
   step.start = start;
   step.length = length;
   step.straight = is_straight(curve);
+  step.cubic = std::holds_alternative<Cubic>(curve);
   step.tangent[0] = tangent_of(curve, start);
   step.tangent[1] = tangent_of(curve, start + length);
   step.bend[0] = bend_of(curve, start);
   step.bend[1] = bend_of(curve, start + length);
   step.acceleration = limits.max_acceleration;
   step.weakest = weakest_axis(step, limits);
+  if (step.cubic) step.stretch = largest_stretch(step);
   if (step.straight) {
     complete_straight(step, limits);
   } else {
@@ -194,14 +232,15 @@ double grid_length(const Curve& curve, double start, double end, double speed,
                    const AxisLimits& limits) {
   const double length = end - start;
   if (is_straight(curve)) return length;
-  if (const auto* blend = std::get_if<CornerBlend>(&curve)) {
-    const double turn = turn_between(blend->tangent(start), blend->tangent(end));
-    return length / std::max(1.0, std::ceil(turn / kLargestTurn));
+  const double acceleration = largest_along(tangent_of(curve, start), limits.max_acceleration);
+  const double by_speed = std::max(0.05 * speed * speed / acceleration, speed * kGridTime);
+  if (const auto* cubic = std::get_if<Cubic>(&curve)) {
+    const double turn = turn_between(cubic->tangent(start), cubic->tangent(end));
+    const double count = std::clamp(std::ceil(turn / kCubicTurn), 1.0, kMostCubicSteps);
+    return std::min(length / count, by_speed);
   }
   const auto& arc = std::get<Arc>(curve);
   const double by_turn = kLargestTurn * arc.length() / std::abs(arc.sweep());
-  const double acceleration = largest_along(arc.tangent(start), limits.max_acceleration);
-  const double by_speed = std::max(0.05 * speed * speed / acceleration, speed * kGridTime);
   // Eight at least: within one constant w there is no acceleration and deceleration.
   return std::min({by_turn, by_speed, length / 8.0});
 }
@@ -226,19 +265,13 @@ double largest_entry(const Step& step, double exit_x) {
 }
 
 Range allowed_w(const Step& step, double done, double x) {
-  const double left = step.length - done;
-  const double part = done / step.length;
   Range range{-kInfinity, kInfinity};
   for (const Axis axis : kAllAxes) {
-    const double limit = step.acceleration[axis];
-    // Straight interpolation of q' and q'' between the ends is exact on parabolas; on arcs its
-    // error is of the size of the reserve.
-    const double tangent =
-        step.tangent[0][axis] + part * (step.tangent[1][axis] - step.tangent[0][axis]);
-    const double bend = step.bend[0][axis] + part * (step.bend[1][axis] - step.bend[0][axis]);
-    range = intersect(range, tangent, bend, limit, x);
-    range = intersect(range, step.tangent[1][axis] + 2.0 * left * step.bend[1][axis],
-                      step.bend[1][axis], limit, x);
+    if (is_still(step, axis)) continue;
+    const Demands demands = demands_of(step, axis, done);
+    for (int i = 0; i < demands.count; ++i) {
+      range = intersect(range, demands.demand[i], step.acceleration[axis], x);
+    }
   }
   return range;
 }

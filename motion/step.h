@@ -6,7 +6,9 @@
 // no search (reachability analysis; Pham & Pham, "A New Approach to Time-Optimal Path
 // Parameterization Based on Reachability Analysis", IEEE T-RO 2018). The limits are kept at both
 // ends of a step with its one w; keeping them at the near end only is 0.25 % faster on paper but
-// exceeds them by up to 40 % at tight corners.
+// exceeds them by up to 40 % at tight corners. On a cubic the acceleration of an axis is a
+// quadratic polynomial along the step, and its three Bézier coefficients bound it: kept within the
+// limit, they keep all that lies between.
 #pragma once
 
 #include <cstdint>
@@ -34,6 +36,7 @@ struct Step {
   double length = 0.0;
   double distance = 0.0;  ///< along the whole track, at its begin
   bool straight = true;
+  bool cubic = false;        ///< q is a cubic polynomial of s
   bool stop_before = false;  ///< the machine stands still at its begin
 
   Position tangent[2];    ///< q' at both ends
@@ -41,8 +44,10 @@ struct Step {
   Position acceleration;  ///< what may be used of each axis' limit
 
   double along = 0.0;      ///< largest |w| at x = 0
+  double stretch = 1.0;    ///< largest |q'| in X Y Z: the feed is |q'| ds/dt
   double curvature = 0.0;  ///< largest |q''|
-  double rotation = 0.0;   ///< |q'''| / |q''|
+  double third = 0.0;      ///< |q'''|
+  double fourth = 0.0;     ///< |q''''|
   double weakest = 0.0;    ///< smallest acceleration limit of the axes that move
 
   double machine_x = 0.0;  ///< largest x that the axes allow

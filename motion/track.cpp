@@ -101,7 +101,18 @@ bool Track::append_blended(const Piece& piece, double cut) {
   return false;
 }
 
+void Track::append_span(Piece piece) {
+  const bool stop_before = empty() || piece.entry == Entry::standstill;
+  push_unplanned(std::move(piece), stop_before);
+}
+
 void Track::push(Piece piece, bool stop_before) {
+  push_unplanned(std::move(piece), stop_before);
+  plan_backward();
+  extend();
+}
+
+void Track::push_unplanned(Piece piece, bool stop_before) {
   const double speed =
       std::min(piece.kind == MoveKind::feed ? piece.feed * std::max(1.0, overrides_.feed_of(piece))
                                             : kInfinity,
@@ -117,8 +128,6 @@ void Track::push(Piece piece, bool stop_before) {
   Piece& last = pieces_.back();
   push_step(pieces_.end() - 1, (last.end - last.begin) / count, stop_before);
   if (count == 1.0) last.stepped = last.end;
-  plan_backward();
-  extend();
 }
 
 void Track::push_step(std::uint64_t piece_index, double length, bool stop_before) {
@@ -188,7 +197,7 @@ void Track::apply_feed(Step& step, const Piece& piece) const {
   if (piece.kind == MoveKind::rapid) {
     step.wanted_x = step.machine_x * overrides_.rapid * overrides_.rapid;
   } else {
-    const double feed = piece.feed * overrides_.feed_of(piece);
+    const double feed = piece.feed * overrides_.feed_of(piece) / step.stretch;
     step.wanted_x = std::min(step.machine_x, feed * feed);
   }
 }

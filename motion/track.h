@@ -14,30 +14,13 @@
 #include <cstdint>
 #include <optional>
 
-#include "motion/curve.h"
 #include "motion/leg.h"
 #include "motion/limits.h"
+#include "motion/piece.h"
 #include "motion/ring.h"
-#include "motion/setpoint.h"
 #include "motion/step.h"
 
 namespace cnc::motion {
-
-/// A curve with what the program wants of it. The range [begin, end] of the curve is driven; blends
-/// have taken the rest.
-struct Piece {
-  Curve curve;
-  double begin = 0.0;
-  double end = 0.0;
-  double stepped = 0.0;  ///< up to here it has been cut into steps
-  double grid = 0.0;     ///< longest step
-  MoveKind kind = MoveKind::feed;
-  bool follows_override = true;
-  double feed = 0.0;
-  double laf_angle = 0.0;
-  bool stop_at_end = false;
-  MoveTag tag;
-};
 
 struct Overrides {
   double feed = 1.0;
@@ -68,6 +51,10 @@ class Track {
   bool extend();
   /// Appends a curve that begins where the last one ends. Only after extend() returned true.
   void append(Piece piece);
+  /// Appends a span of a smoothed path, which goes on smoothly from the span before it or begins
+  /// where the machine stands. Planned only with the next call of plan(), for many at once.
+  void append_span(Piece piece);
+  void plan() { plan_backward(); }
   /// The machine shall stand still at the present end, whatever comes.
   void stop_at_end();
 
@@ -99,6 +86,7 @@ class Track {
   enum class Until : std::uint8_t { sufficient, end };
 
   void push(Piece piece, bool stop_before);
+  void push_unplanned(Piece piece, bool stop_before);
   void cut_into_steps(Until until);
   void pop_last_piece();
   void push_step(std::uint64_t piece_index, double length, bool stop_before);

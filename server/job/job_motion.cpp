@@ -98,6 +98,10 @@ motion::MoveOptions JobRunner::options_for(const interp::Command& command, motio
   options.feed = feed_for(end);
   options.stop_at_end = path_mode_.mode == interp::PathMode::exact_stop;
   options.laf_angle = path_mode_.laf_angle;
+  if (path_mode_.mode == interp::PathMode::continuous) {
+    options.tolerance = path_mode_.tolerance.value_or(config_.trajectory.path_tolerance);
+  }
+  options.simplify = path_mode_.simplification.value_or(0.0);
   options.tag = {++last_move_, command.source.file == 0 ? command.source.line : 0};
   return options;
 }

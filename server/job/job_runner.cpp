@@ -65,7 +65,7 @@ void JobRunner::abandon() {
 JobRunner::Next JobRunner::next() {
   if (!running_) return error_ ? Next::failed : Next::ended;
   fill_planner();
-  if (!drawn_) drawn_ = planner_.next();
+  if (!drawn_) drawn_ = planner_.next(more_to_come_ ? motion::Supply::coming : motion::Supply::ended);
 
   if (note_is_due(drawn_.has_value(), drawn_ ? drawn_->tag.id : 0)) {
     event_ = std::move(notes_.front().event);
@@ -77,7 +77,7 @@ JobRunner::Next JobRunner::next() {
     drawn_.reset();
     return Next::setpoint;
   }
-  if (held_ || !planner_.idle()) return Next::held;
+  if (held_ || (!planner_.idle() && !more_to_come_)) return Next::held;
   if (dwell_left_ > 0.0) {
     take_dwell(config_.trajectory.interpolation_time);
     return Next::setpoint;
@@ -86,7 +86,7 @@ JobRunner::Next JobRunner::next() {
     event_ = *pending_action_;
     return Next::action;
   }
-  if (interpreter_busy_) return Next::busy;
+  if (more_to_come_) return Next::busy;
   running_ = false;
   return error_ ? Next::failed : Next::ended;
 }
@@ -125,15 +125,18 @@ bool JobRunner::note_is_due(bool has_setpoint, std::uint64_t move) const {
 void JobRunner::fill_planner() {
   // Between moves the program may say very much (messages, offsets); bounded per call like lines.
   constexpr std::size_t kMaxNotes = 1000;
-  interpreter_busy_ = false;
+  more_to_come_ = false;
   while (!program_over_ && !pending_action_ && dwell_left_ == 0.0 && !planner_.full()) {
-    if (notes_.size() >= kMaxNotes) return;
+    if (notes_.size() >= kMaxNotes) {
+      more_to_come_ = true;
+      return;
+    }
     switch (interpreter_.next()) {
       case interp::Progress::command:
         take(interpreter_.command());
         break;
       case interp::Progress::working:
-        interpreter_busy_ = true;
+        more_to_come_ = true;
         return;
       case interp::Progress::waiting:
       case interp::Progress::found:

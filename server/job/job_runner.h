@@ -117,7 +117,7 @@ class JobRunner {
   bool begins_at_index_ = false;
   double dwell_left_ = 0.0;  ///< s; G4, or a spindle that runs up
   interp::SpindleDirection spindle_ = interp::SpindleDirection::off;
-  bool interpreter_busy_ = false;
+  bool more_to_come_ = false;  // the planner is not full, but the rest takes another call
   std::optional<motion::Setpoint> drawn_;  ///< drawn from the planner, a note goes first
   motion::Setpoint setpoint_;
   JobEvent event_;

@@ -65,7 +65,10 @@ namespace cnc::server {
 }
 
 [[nodiscard]] inline motion::PlannerSettings planner_settings(const config::MachineConfig& config) {
-  return {axis_limits(config), config.trajectory.interpolation_time, config.trajectory.laf_angle};
+  return {.limits = axis_limits(config),
+          .max_setpoint_duration = config.trajectory.interpolation_time,
+          .laf_angle = config.trajectory.laf_angle,
+          .tolerance_use = config.trajectory.tolerance_use};
 }
 
 }  // namespace cnc::server

@@ -134,7 +134,7 @@ TEST_CASE("A rotary-only line is measured in degrees, any other in the mm of X Y
 TEST_CASE("A blend between lines is the parabola that passes the corner at cut |u2 - u1| / 4",
           "[MOT-2]") {
   // 90° corner at the origin, cut 1 mm: |u2 − u1| = √2, so the middle is √2/4 from the corner.
-  const CornerBlend blend(xyz(-1, 0), xyz(1, 0), xyz(0, 1), xyz(0, 1), 2.0);
+  const Cubic blend = hermite_cubic(xyz(-1, 0), xyz(1, 0), xyz(0, 1), xyz(0, 1), 2.0);
   CHECK(linear_length(blend.point(1.0)) == Approx(std::sqrt(2.0) / 4.0));
   CHECK(linear_length(blend.tangent(0.0)) == Approx(1.0));
   CHECK(linear_length(blend.tangent(2.0)) == Approx(1.0));

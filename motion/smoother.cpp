@@ -1,0 +1,264 @@
+#include "motion/smoother.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <utility>
+
+namespace cnc::motion {
+
+namespace {
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
+/// Where the direction changes by more than 150°, the machine stops: a curve around such a corner
+/// is no faster.
+constexpr double kReversal = 1.9318516525781366;  // |u2 - u1| at 150°: 2 sin 75°
+
+/// Each step is at most as much longer than its neighbour towards the vertex.
+constexpr double kGrowth = 1.7;
+
+/// Arcs of more turns are driven exactly: their nodes would be without number.
+constexpr double kMostTurns = 2.0;
+
+/// Part of the tolerance that arcs may use where the feed bounds their speed anyway: bending less
+/// would gain nothing and cost accuracy.
+constexpr double kFeedBoundShare = 0.1;
+
+/// That is where the centripetal acceleration at the feed is below this part of what axes can do.
+constexpr double kFeedBound = 0.7;
+
+constexpr std::size_t kMostSteps = 160;
+
+struct Steps {
+  std::array<double, kMostSteps> left;
+  std::array<double, kMostSteps> right;
+  std::size_t left_count = 0;
+  std::size_t right_count = 0;
+  double sum = 0.0;
+};
+
+/// Steps from both ends of a length towards its middle, two at least.
+Steps graded(double length, double first, double last, double longest) {
+  Steps steps;
+  double left = std::min(first, longest);
+  double right = std::min(last, longest);
+  const auto full = [&] { return steps.left_count + steps.right_count >= kMostSteps; };
+  while ((steps.sum < length && !full()) || steps.left_count + steps.right_count < 2) {
+    if (left <= right) {
+      steps.left[steps.left_count++] = left;
+      steps.sum += left;
+      left = std::min(left * kGrowth, longest);
+    } else {
+      steps.right[steps.right_count++] = right;
+      steps.sum += right;
+      right = std::min(right * kGrowth, longest);
+    }
+  }
+  return steps;
+}
+
+/// Of the axes that move at all.
+double weakest(const AxisLimits& limits) {
+  double least = kInfinity;
+  for (const Axis axis : kLinearAxes) {
+    if (limits.max_acceleration[axis] > 0.0) least = std::min(least, limits.max_acceleration[axis]);
+  }
+  return least;
+}
+
+}  // namespace
+
+Smoother::Smoother(const AxisLimits& limits, double tolerance_use)
+    : spline_(std::pow(10.0, -4.0 * std::clamp(tolerance_use, 0.0, 1.0))),
+      weakest_acceleration_(weakest(limits)) {}
+
+void Smoother::clear() {
+  spline_.clear();
+  segments_.clear();
+  sources_.clear();
+  span_count_.clear();
+  ready_.clear();
+  in_run_ = false;
+}
+
+namespace {
+
+double turns_of(const Curve& curve) {
+  const auto* arc = std::get_if<Arc>(&curve);
+  return arc ? std::abs(arc->sweep()) / (2.0 * std::numbers::pi) : 0.0;
+}
+
+bool can_be_smoothed(const Piece& piece) {
+  return piece.kind == MoveKind::feed && piece.tolerance > 0.0 &&
+         measure_of(piece.curve) == Measure::linear && turns_of(piece.curve) <= kMostTurns;
+}
+
+Position direction(const Curve& curve, double s) {
+  const Position tangent = tangent_of(curve, s);
+  return tangent * (1.0 / norm(tangent));
+}
+
+}  // namespace
+
+void Smoother::add(const Piece& piece) {
+  if (!can_be_smoothed(piece)) {
+    finish();
+    ready_.reserve(ready_.size() + 1);
+    ready_.push_back(piece);
+    return;
+  }
+  Segment segment{.piece = piece, .stretch = norm(tangent_of(piece.curve, 0.0))};
+  segment.length = piece.end * segment.stretch;
+  if (const auto* arc = std::get_if<Arc>(&piece.curve)) {
+    segment.radius = segment.stretch * segment.stretch / norm(arc->bend(0.5 * piece.end));
+  }
+  segment.tolerance = tolerance_of(piece, segment.radius);
+  segment.longest_step = longest_step(segment);
+  if (in_run_) {
+    const Segment& last = segments_.empty() ? last_placed_ : segments_.back();
+    segment.turn = norm(direction(piece.curve, 0.0) - direction(last.piece.curve, last.piece.end));
+    segment.kink = segment.turn / std::min(last.length, segment.length);
+    if (segment.turn > kReversal) finish();
+  }
+  if (!in_run_) {
+    segment.turn = segment.kink = 0.0;
+    begin_run(piece);
+  }
+  segments_.push_back(segment);
+  if (segments_.size() > 2) place_front();
+  if (piece.stop_at_end) finish();
+}
+
+double Smoother::tolerance_of(const Piece& piece, double radius) const {
+  const bool feed_bound =
+      radius > 0.0 && piece.feed * piece.feed < kFeedBound * weakest_acceleration_ * radius;
+  return piece.tolerance * (feed_bound ? kFeedBoundShare : 1.0);
+}
+
+/// On arcs a quarter of a radian, and so short that a cubic spline through the arc's points leaves
+/// it by no more than a quarter of the tolerance: h⁴ q''''/384.
+double Smoother::longest_step(const Segment& segment) const {
+  const auto* arc = std::get_if<Arc>(&segment.piece.curve);
+  if (arc == nullptr) return segment.length;
+  const double turning = std::abs(arc->sweep()) / segment.length;
+  const double accurate =
+      std::pow(0.25 * 384.0 * segment.tolerance * segment.radius / (turning * turning), 0.25);
+  return std::min({0.25 / turning, 0.25 * segment.length, accurate});
+}
+
+void Smoother::begin_run(const Piece& piece) {
+  spline_.begin(point_of(piece.curve, 0.0), piece.tolerance);
+  last_placed_ = {};
+  next_entry_ = Entry::standstill;
+  in_run_ = true;
+}
+
+void Smoother::finish() {
+  if (!in_run_) return;
+  while (!segments_.empty()) place_front();
+  spline_.finish();
+  collect();
+  in_run_ = false;
+}
+
+bool Smoother::stop_at_end() {
+  finish();
+  if (ready_.empty()) return false;
+  ready_.back().stop_at_end = true;
+  return true;
+}
+
+/// Length beside the vertex between two segments on which the path can turn within the tolerance.
+/// `kink`: the largest of this and the neighbouring vertices.
+double Smoother::first_step(const Segment& before, const Segment& after, double kink) const {
+  const double p = std::min(before.tolerance, after.tolerance);
+  const double shorter = std::min(before.length, after.length);
+  double step = std::max(p, 0.5 * shorter);
+  if (after.turn > 0.0) step = std::min(step, std::max(p, 2.0 * p / after.turn));
+  if (kink > 0.0) step = std::min(step, std::max(p, 0.35 * std::sqrt(8.0 * p / kink)));
+  for (const Segment* side : {&before, &after}) {
+    if (side->radius > 0.0) step = std::min(step, 0.35 * std::sqrt(8.0 * p * side->radius));
+  }
+  return step;
+}
+
+/// Puts the nodes of the foremost segment; the two behind it are known, or the run ends with fewer.
+void Smoother::place_front() {
+  Segment none;
+  none.length = none.tolerance = kInfinity;
+  const Segment& segment = segments_.front();
+  const std::uint64_t first = segments_.first();
+  const std::size_t known = segments_.size();
+  const Segment& next = known > 1 ? segments_[first + 1] : none;
+  const Segment& after_next = known > 2 ? segments_[first + 2] : none;
+  const bool begins = last_placed_.length == 0.0;
+  const Segment& before = begins ? none : last_placed_;
+
+  const double first_kink = std::max({before.kink, segment.kink, next.kink});
+  const double last_kink = std::max({segment.kink, next.kink, after_next.kink});
+  const Steps steps = graded(segment.length, first_step(before, segment, first_kink),
+                             first_step(segment, next, last_kink), segment.longest_step);
+
+  sources_.reserve(sources_.size() + 1);
+  span_count_.reserve(span_count_.size() + 1);
+  sources_.push_back(segment.piece);
+  span_count_.push_back(steps.left_count + steps.right_count);
+  const double scale = segment.length / steps.sum;
+  const double end_tolerance = std::min(segment.tolerance, next.tolerance);
+  double s = 0.0;
+  double done = 0.0;
+  for (std::size_t i = 0; i < steps.left_count; ++i) {
+    done += steps.left[i];
+    const bool last = i + 1 == steps.left_count && steps.right_count == 0;
+    const double to = last ? segment.length : done * scale;
+    add_span(segment, s, to, last ? end_tolerance : segment.tolerance);
+    s = to;
+  }
+  for (std::size_t i = steps.right_count; i-- > 0;) {
+    done += steps.right[i];
+    const double to = i == 0 ? segment.length : done * scale;
+    add_span(segment, s, to, i == 0 ? end_tolerance : segment.tolerance);
+    s = to;
+  }
+  last_placed_ = segment;
+  segments_.pop_front();
+  collect();
+}
+
+void Smoother::add_span(const Segment& segment, double from, double to, double end_tolerance) {
+  const Curve& curve = segment.piece.curve;
+  const double middle = 0.5 * (from + to) / segment.stretch;
+  spline_.add({.length = to - from,
+               .middle = point_of(curve, middle),
+               .middle_tangent = direction(curve, middle),
+               .end = to == segment.length ? point_of(curve, segment.piece.end)
+                                           : point_of(curve, to / segment.stretch),
+               .end_tolerance = end_tolerance});
+}
+
+void Smoother::collect() {
+  ready_.reserve(ready_.size() + spline_.ready());
+  while (spline_.ready() > 0) {
+    const TubeSpline::Ready span = spline_.take();
+    Piece piece = sources_.front();
+    piece.curve = span.curve;
+    piece.end = span.curve.length();
+    piece.stop_at_end = span.stop_at_end;
+    piece.entry = std::exchange(next_entry_, Entry::smooth);
+    ready_.push_back(std::move(piece));
+    if (--span_count_.front() == 0) {
+      span_count_.pop_front();
+      sources_.pop_front();
+    }
+  }
+}
+
+Piece Smoother::take() {
+  Piece piece = std::move(ready_.front());
+  ready_.pop_front();
+  return piece;
+}
+
+}  // namespace cnc::motion

@@ -1,0 +1,187 @@
+// How long programs take with G64, how exactly they are followed, and how fast that is computed.
+//
+//   path_bench [OPTION=VALUE ...] FILE ...
+//
+//   v=100 a=500     limits of every axis, mm/s and mm/s²
+//   feed=100        one feed for all moves, mm/s; 0: the program's own
+//   p=0.02          path tolerance (G64 P), mm; 0: exact path
+//   judge=1         also measure limits and distances
+//
+// Tools, spindle, dwells and the like take no time here: what is measured is motion.
+#include <chrono>
+#include <cmath>
+#include <cstdlib>
+#include <fmt/core.h>
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "interpreter/interpreter.h"
+#include "motion/planner.h"
+#include "tests/motion/path_judge.h"
+
+namespace {
+
+using namespace cnc;
+
+struct Options {
+  std::map<std::string, double, std::less<>> values{
+      {"v", 100.0}, {"a", 500.0}, {"feed", 100.0}, {"p", 0.02}, {"judge", 1.0}};
+  double operator[](std::string_view name) const { return values.find(name)->second; }
+};
+
+struct Move {
+  motion::MoveKind kind = motion::MoveKind::feed;
+  double feed = 0.0;
+  bool is_arc = false;
+  motion::ArcShape shape;  // of a line only the end
+};
+
+std::vector<Move> read_program(const std::string& file) {
+  const auto program = interp::Program::open(file);
+  if (!program) {
+    fmt::print("{}\n", program.error().to_string());
+    std::exit(1);
+  }
+  config::ParameterStore parameters;
+  config::ToolTable tools;
+  interp::Interpreter interpreter({}, parameters, tools);
+  interpreter.start(*program, {}, {.mode = interp::RunMode::render});
+  std::vector<Move> moves;
+  double feed = 0.0;
+  Position at;
+  for (;;) {
+    switch (interpreter.next()) {
+      case interp::Progress::command: {
+        const auto& body = interpreter.command().body;
+        if (const auto* set = std::get_if<interp::SetFeedRate>(&body)) feed = set->feed;
+        if (const auto* rapid = std::get_if<interp::RapidMove>(&body)) {
+          moves.push_back({motion::MoveKind::rapid, 0.0, false, {.end = rapid->end}});
+        } else if (const auto* line = std::get_if<interp::FeedMove>(&body)) {
+          moves.push_back({motion::MoveKind::feed, feed, false, {.end = line->end}});
+        } else if (const auto* arc = std::get_if<interp::ArcMove>(&body)) {
+          moves.push_back(
+              {motion::MoveKind::feed,
+               feed,
+               true,
+               {arc->end, arc->plane, arc->first_centre, arc->second_centre, arc->turns}});
+        }
+        break;
+      }
+      case interp::Progress::waiting:
+        interpreter.answer(interpreter.expected_answer());
+        break;
+      case interp::Progress::failed:
+        fmt::print("{}", interpreter.diagnostic().to_string());
+        if (!interpreter.skip_failed_line()) return moves;
+        break;
+      case interp::Progress::ended:
+        return moves;
+      case interp::Progress::working:
+      case interp::Progress::found:
+        break;
+    }
+  }
+}
+
+/// Feeds the moves to a planner and hands every setpoint to `sink`.
+template <typename Sink>
+void drive(const std::vector<Move>& moves, const motion::AxisLimits& limits, const Options& options,
+           Sink sink) {
+  motion::Planner planner({limits, 0.005, 1.0}, {});
+  const auto draw = [&] {
+    if (const auto setpoint = planner.next()) sink(*setpoint);
+  };
+  for (const Move& move : moves) {
+    motion::MoveOptions how;
+    how.kind = move.kind;
+    how.feed = options["feed"] > 0.0 ? options["feed"] : move.feed;
+    how.tolerance = options["p"];
+    const auto added =
+        move.is_arc ? planner.add_arc(move.shape, how) : planner.add_line(move.shape.end, how);
+    if (!added) {
+      fmt::print("refused: {}\n", added.error().to_string());
+      continue;
+    }
+    while (planner.full()) draw();
+  }
+  while (!planner.idle()) draw();
+}
+
+void add_arc(motion::test::Polyline& path, const Position& start, const motion::ArcShape& shape) {
+  const auto arc = motion::make_arc(start, shape);
+  if (!arc) return;
+  const int count =
+      std::max(8, static_cast<int>(std::abs(arc->sweep()) * std::sqrt(arc->radius(0.0) / 8e-6)));
+  for (int i = 1; i <= count; ++i)
+    path.add(motion::test::point_of(arc->point(arc->length() * i / count)));
+}
+
+void judge(const std::string& file, const std::vector<Move>& moves,
+           const motion::AxisLimits& limits, const Options& options) {
+  const double cell = std::max(0.25, 3.0 * options["p"]);
+  motion::test::Polyline programmed(cell);
+  programmed.add({});
+  Position at;
+  for (const Move& move : moves) {
+    if (move.is_arc) {
+      add_arc(programmed, at, move.shape);
+    } else {
+      programmed.add(motion::test::point_of(move.shape.end));
+    }
+    at = move.shape.end;
+  }
+  motion::test::Polyline driven(cell);
+  driven.add({});
+  motion::test::LimitJudge judge{.limits = limits, .position = {}, .velocity = {}};
+  drive(moves, limits, options, [&](const motion::Setpoint& setpoint) {
+    constexpr int kParts = 2;
+    for (int i = 1; i <= kParts; ++i) {
+      Position p;
+      for (const Axis axis : kLinearAxes) {
+        p[axis] = motion::cubic_of(axis, judge.position, judge.velocity, setpoint)
+                      .position(setpoint.duration * i / kParts);
+      }
+      driven.add(motion::test::point_of(p));
+    }
+    judge.take(setpoint);
+  });
+  fmt::print(
+      "{:<28} {:>9.3f} s  v {:.5f} a {:.5f} feed {:.5f}  path to program {:.5f} mm, back "
+      "{:.5f} mm, {} setpoints\n",
+      file, judge.time, judge.velocity_ratio, judge.acceleration_ratio, judge.feed_ratio,
+      motion::test::largest_distance(driven, programmed),
+      motion::test::largest_distance(programmed, driven), judge.setpoints);
+}
+
+void measure(const std::string& path, const Options& options) {
+  const std::vector<Move> moves = read_program(path);
+  const std::string file = path.substr(path.rfind('/') + 1);
+  const motion::AxisLimits limits{Position::filled(options["v"]), Position::filled(options["a"])};
+  double time = 0.0;
+  const auto begin = std::chrono::steady_clock::now();
+  drive(moves, limits, options, [&](const motion::Setpoint& s) { time += s.duration; });
+  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
+  fmt::print("{:<28} {:>9.3f} s, {} moves, {:.0f} moves/s\n", file, time, moves.size(),
+             static_cast<double>(moves.size()) / wall.count());
+  if (options["judge"] != 0.0) judge(file, moves, limits, options);
+}
+
+}  // namespace
+
+int main(int count, char** values) {
+  Options options;
+  std::vector<std::string> files;
+  for (int i = 1; i < count; ++i) {
+    const std::string_view argument = values[i];
+    const std::size_t equals = argument.find('=');
+    const auto option = options.values.find(argument.substr(0, equals));
+    if (equals != std::string_view::npos && option != options.values.end()) {
+      option->second = std::atof(values[i] + equals + 1);
+    } else {
+      files.emplace_back(argument);
+    }
+  }
+  for (const std::string& file : files) measure(file, options);
+}

@@ -1,0 +1,117 @@
+#include "tests/motion/path_judge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace cnc::motion::test {
+
+namespace {
+
+double distance_to_segment(const Point& p, const Point& a, const Point& b) {
+  double along = 0.0;
+  double length = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    along += (p[i] - a[i]) * (b[i] - a[i]);
+    length += (b[i] - a[i]) * (b[i] - a[i]);
+  }
+  const double part = length > 0.0 ? std::clamp(along / length, 0.0, 1.0) : 0.0;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < 3; ++i) {
+    const double off = a[i] + part * (b[i] - a[i]) - p[i];
+    sum += off * off;
+  }
+  return std::sqrt(sum);
+}
+
+double distance_between(const Point& a, const Point& b) { return distance_to_segment(a, b, b); }
+
+}  // namespace
+
+Point point_of(const Position& p) { return {p[Axis::X], p[Axis::Y], p[Axis::Z]}; }
+
+Polyline::Key Polyline::key_of(const std::array<std::int64_t, 3>& cell) const {
+  return (cell[0] * 73856093) ^ (cell[1] * 19349663) ^ (cell[2] * 83492791);
+}
+
+void Polyline::add(const Point& point) {
+  points_.push_back(point);
+  if (points_.size() < 2) return;
+  const Point& from = points_[points_.size() - 2];
+  const auto index = static_cast<std::uint32_t>(points_.size() - 2);
+  // Every cell that the segment passes is at most half a cell from one of these points, so with its
+  // neighbours distance() finds it.
+  const double length = distance_between(from, point);
+  const int count = 1 + static_cast<int>(2.0 * length / cell_);
+  Key last = 0;
+  for (int i = 0; i <= count; ++i) {
+    std::array<std::int64_t, 3> cell{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      const double value = from[k] + (point[k] - from[k]) * i / count;
+      cell[k] = static_cast<std::int64_t>(std::floor(value / cell_));
+    }
+    const Key key = key_of(cell);
+    if (i > 0 && key == last) continue;
+    segments_[key].push_back(index);
+    last = key;
+  }
+}
+
+double Polyline::distance(const Point& point) const {
+  std::array<std::int64_t, 3> home{};
+  for (std::size_t k = 0; k < 3; ++k) {
+    home[k] = static_cast<std::int64_t>(std::floor(point[k] / cell_));
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for (std::int64_t x = -1; x <= 1; ++x) {
+    for (std::int64_t y = -1; y <= 1; ++y) {
+      for (std::int64_t z = -1; z <= 1; ++z) {
+        const auto found = segments_.find(key_of({home[0] + x, home[1] + y, home[2] + z}));
+        if (found == segments_.end()) continue;
+        for (const std::uint32_t i : found->second) {
+          least = std::min(least, distance_to_segment(point, points_[i], points_[i + 1]));
+        }
+      }
+    }
+  }
+  return least;
+}
+
+double largest_distance(const Polyline& from, const Polyline& to) {
+  double largest = 0.0;
+  const std::vector<Point>& points = from.points();
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    largest = std::max(largest, to.distance(points[i]));
+    if (i == 0) continue;
+    const Point& a = points[i - 1];
+    const Point& b = points[i];
+    const int parts = 1 + std::min(8, static_cast<int>(distance_between(a, b) / 0.02));
+    for (int k = 1; k < parts; ++k) {
+      Point middle{};
+      for (std::size_t j = 0; j < 3; ++j) middle[j] = a[j] + (b[j] - a[j]) * k / parts;
+      largest = std::max(largest, to.distance(middle));
+    }
+  }
+  return largest;
+}
+
+void LimitJudge::take(const Setpoint& setpoint) {
+  double speed = 0.0;
+  for (const Axis axis : kAllAxes) {
+    const auto cubic = cubic_of(axis, position, velocity, setpoint);
+    const double a =
+        std::max(std::abs(cubic.start_acceleration()), std::abs(cubic.end_acceleration()));
+    acceleration_ratio = std::max(acceleration_ratio, a / limits.max_acceleration[axis]);
+    velocity_ratio = std::max(velocity_ratio, cubic.fastest() / limits.max_velocity[axis]);
+    if (!is_rotary(axis)) speed += setpoint.velocity[axis] * setpoint.velocity[axis];
+  }
+  if (setpoint.feed_limit > 0.0) {
+    feed_ratio = std::max(feed_ratio, std::sqrt(speed) / setpoint.feed_limit);
+  }
+  time += setpoint.duration;
+  ++setpoints;
+  position = setpoint.position;
+  velocity = setpoint.velocity;
+}
+
+}  // namespace cnc::motion::test
