@@ -80,16 +80,32 @@ double time_alone(double length, double speed, double acceleration) {
   return length / speed + speed / acceleration;
 }
 
+/// Where the machine was before a setpoint was drawn.
+struct Mark {
+  Place place;
+  Position position;
+};
+
+/// Setpoints that were taken back without it being known yet whether they are executed after all.
+struct TakenBack {
+  Mark before;              ///< where the machine was
+  std::uint64_t first = 0;  ///< index of their marks
+  Ring<Mark> marks;
+};
+
 }  // namespace
 
 struct Planner::Impl {
   Impl(const PlannerSettings& wanted, const Position& start)
       : settings(wanted),
         smoother(wanted.limits, wanted.tolerance_use),
-        track(wanted.limits),
+        track(wanted.limits, wanted.most_taken_back > 0 ? kMostStepsBehind : 0),
         sampler(std::clamp(wanted.max_setpoint_duration, 0.0005, 0.1)),
         position(start),
-        queue_end(start) {}
+        queue_end(start),
+        marks(std::max<std::size_t>(wanted.most_taken_back, 1)) {
+    taken_back.marks.reserve(marks.free());
+  }
 
   /// Moves waiting curves through the smoother onto the track, as far as planning looks ahead.
   void feed_track() {
@@ -104,6 +120,14 @@ struct Planner::Impl {
       }
     }
     track.plan();
+  }
+
+  /// With `close` the smoothed path ends where the moves do.
+  void take_in(bool close) {
+    feed_track();
+    if (!close) return;
+    smoother.finish();
+    feed_track();
   }
 
   void append(Piece piece) {
@@ -137,7 +161,7 @@ struct Planner::Impl {
     waiting.reserve(waiting.size() + 1);
     waiting.push_back(std::move(piece));
     queue_end = end;
-    feed_track();
+    if (!unconfirmed) feed_track();
     return {};
   }
 
@@ -149,6 +173,42 @@ struct Planner::Impl {
     } else if (!smoother.stop_at_end()) {
       track.stop_at_end();
     }
+  }
+
+  /// Keeps where the machine was before the setpoint that has just been drawn, and forgets what
+  /// would be too much.
+  void keep(const Mark& mark) {
+    if (settings.most_taken_back > 0) {
+      if (marks.size() == settings.most_taken_back) marks.pop_front();
+      marks.push_back(mark);
+      while (steps_since(marks.front()) > kMostStepsBehind) marks.pop_front();
+    }
+    forget_path();
+  }
+  [[nodiscard]] std::uint64_t steps_since(const Mark& mark) const {
+    return track.place().step - mark.place.step;
+  }
+  /// Until it is known which setpoints are executed, both ways on must stay possible.
+  [[nodiscard]] bool may_draw_unconfirmed() const {
+    if (marks.size() == settings.most_taken_back) return false;
+    const Ring<Mark>& taken = taken_back.marks;
+    if (!taken.empty() && steps_since(taken.front()) + kMostLegs > kMostStepsBehind) return false;
+    return track.was_further() || track.sufficient();
+  }
+  void forget_path() {
+    track.forget_before(marks.empty() ? track.place().step : marks.front().place.step);
+  }
+  /// Leaves the marks before index `end`.
+  void cut_marks(std::uint64_t end) {
+    while (marks.end() > end && !marks.empty()) marks.pop_back();
+  }
+  void go_back(const Mark& mark) {
+    track.go_back(mark.place);
+    position = mark.position;
+  }
+  void forget_marks() {
+    marks.clear();
+    unconfirmed = false;
   }
 
   [[nodiscard]] bool standing() const { return track.place().speed == 0.0; }
@@ -183,6 +243,9 @@ struct Planner::Impl {
   bool held = false;
   Position position;
   Position queue_end;
+  Ring<Mark> marks;  // one for each setpoint that may be taken back
+  TakenBack taken_back;
+  bool unconfirmed = false;  // it is not known yet whether taken_back are executed
 };
 
 Planner::Planner(const PlannerSettings& settings, const Position& start)
@@ -218,15 +281,52 @@ bool Planner::idle() const {
 }
 
 std::optional<Setpoint> Planner::next(Supply supply) {
-  const bool dry = supply == Supply::ended && !full();
-  impl_->feed_track();
-  if (dry) {
-    impl_->smoother.finish();
-    impl_->feed_track();
+  Track& track = impl_->track;
+  if (!impl_->unconfirmed) {
+    impl_->take_in(supply == Supply::ended && !full());
+  } else if (!impl_->may_draw_unconfirmed()) {
+    return std::nullopt;
   }
-  auto setpoint = impl_->sampler.next(impl_->track, impl_->held);
-  if (setpoint) impl_->position = setpoint->position;
+  const Mark mark{track.place(), impl_->position};
+  auto setpoint = impl_->sampler.next(track, impl_->held);
+  if (!setpoint) return std::nullopt;
+  impl_->position = setpoint->position;
+  impl_->keep(mark);
   return setpoint;
+}
+
+std::size_t Planner::known() const { return impl_->marks.size(); }
+
+void Planner::forget_all_but(std::size_t count) {
+  if (impl_->unconfirmed) return;
+  while (impl_->marks.size() > count) impl_->marks.pop_front();
+  impl_->forget_path();
+}
+
+bool Planner::take_back(std::size_t count) {
+  Ring<Mark>& marks = impl_->marks;
+  if (impl_->unconfirmed || count > marks.size()) return false;
+  TakenBack& taken = impl_->taken_back;
+  taken.before = {impl_->track.place(), impl_->position};
+  taken.first = marks.end() - count;
+  taken.marks.clear();
+  for (std::uint64_t i = taken.first; i != marks.end(); ++i) taken.marks.push_back(marks[i]);
+  impl_->unconfirmed = true;
+  impl_->cut_marks(taken.first);
+  if (count > 0) impl_->go_back(taken.marks.front());
+  return true;
+}
+
+void Planner::confirm_take_back() { impl_->unconfirmed = false; }
+
+void Planner::revoke_take_back() {
+  if (!impl_->unconfirmed) return;
+  impl_->unconfirmed = false;
+  TakenBack& taken = impl_->taken_back;
+  impl_->cut_marks(taken.first);
+  for (std::uint64_t i = taken.marks.first(); i != taken.marks.end(); ++i)
+    impl_->marks.push_back(taken.marks[i]);
+  impl_->go_back(taken.before);
 }
 
 void Planner::set_overrides(double feed, double rapid) {
@@ -242,6 +342,7 @@ bool Planner::held() const { return impl_->held; }
 
 bool Planner::clear() {
   if (!impl_->standing()) return false;
+  impl_->forget_marks();
   impl_->track.clear();
   impl_->smoother.clear();
   impl_->waiting.clear();
@@ -265,6 +366,8 @@ double Planner::queued_time() const {
 
 bool Planner::set_position(const Position& position) {
   if (!idle() || !check_end(position)) return false;
+  impl_->forget_marks();
+  impl_->forget_path();
   impl_->position = position;
   impl_->queue_end = position;
   return true;

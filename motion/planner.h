@@ -12,6 +12,7 @@
 // Units: mm, s, degrees for rotary axes. Not thread-safe. next() does not allocate.
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -29,6 +30,7 @@ struct PlannerSettings {
   double max_setpoint_duration = 0.005;  ///< InterpolationTime, s; 0.0005 … 0.1
   double laf_angle = 1.0;                ///< junctions below this angle are not stopped at, degrees
   double tolerance_use = 1.0;            ///< part of MoveOptions::tolerance that is used, 0 … 1
+  std::size_t most_taken_back = 0;       ///< setpoints kept for take_back()
 };
 
 struct MoveOptions {
@@ -87,6 +89,28 @@ class Planner {
   void hold();
   void resume();
   [[nodiscard]] bool held() const;
+
+  // Re-planning what the controller has not begun. A change of overrides, hold() and resume() act
+  // from the next setpoint on; drawn ones that wait in a FIFO can be taken back first, and are then
+  // drawn anew along the very same path:
+  //
+  //   take_back(n), hold() … ─► next() … ─► confirm_take_back()   the controller has dropped the n
+  //                                      └► revoke_take_back()    it was too late: they are
+  //                                      executed
+  //
+  // Until it is known which, next() goes no further along the path than it has been, or than is
+  // planned well ahead, and takes in nothing that was added since.
+
+  /// Setpoints that can be taken back.
+  [[nodiscard]] std::size_t known() const;
+  /// Only the last `count` setpoints may still be taken back.
+  void forget_all_but(std::size_t count);
+  /// The state is again as it was before the last `count` setpoints were drawn. False, and nothing
+  /// changed, when they are not known any more, or not known yet whether an earlier call holds.
+  bool take_back(std::size_t count);
+  void confirm_take_back();
+  /// What was drawn since is void; what was taken back counts again.
+  void revoke_take_back();
 
   /// Drops everything that is queued. Only when standing still (after hold() or when idle): returns
   /// false and does nothing otherwise.

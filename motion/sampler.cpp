@@ -14,9 +14,6 @@ namespace {
 constexpr double kRelativeRounding = 1e-7;
 constexpr double kPositionRounding = 1e-10;
 
-/// Legs that one setpoint may join.
-constexpr std::size_t kMostLegs = 32;
-
 /// Longest setpoint on a curve so that its cubic differs by no more than the tolerance in position
 /// (p h⁴/384, with the fourth derivative p) and by no more than the reserve in acceleration
 /// (p h²/12).

@@ -8,6 +8,7 @@
 // cubic, so judging the cubic is what makes merging safe.
 #pragma once
 
+#include <cstddef>
 #include <optional>
 
 #include "config/axis.h"
@@ -15,6 +16,9 @@
 #include "motion/track.h"
 
 namespace cnc::motion {
+
+/// Legs that one setpoint may join.
+inline constexpr std::size_t kMostLegs = 32;
 
 class Sampler {
  public:

@@ -23,6 +23,10 @@ constexpr double kLookAheadTime = 0.1;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+bool is_further(const Place& a, const Place& b) {
+  return a.step != b.step ? a.step > b.step : a.done > b.done;
+}
+
 /// The end of a step is reached when less than rounding is left.
 bool is_end_of(const Step& step, double done) {
   return step.length - done <= 1e-12 * (1.0 + step.length);
@@ -30,14 +34,16 @@ bool is_end_of(const Step& step, double done) {
 
 }  // namespace
 
-Track::Track(const AxisLimits& limits, std::size_t max_steps)
-    : limits_(limits), pieces_(max_steps), steps_(max_steps) {}
+Track::Track(const AxisLimits& limits, std::size_t steps_behind)
+    : limits_(limits),
+      pieces_(kMostStepsAhead + steps_behind),
+      steps_(kMostStepsAhead + steps_behind) {}
 
 // --- appending -----------------------------------------------------------------------------------
 
 bool Track::sufficient() const {
-  if (steps_.empty()) return false;
-  if (steps_.free() < kSpareSteps) return true;
+  if (empty()) return false;
+  if (steps_.end() - place_.step > kMostStepsAhead - kSpareSteps) return true;
   const double end = steps_.back().distance + steps_.back().length;
   return end - steps_[place_.step].distance - place_.done >= look_ahead_;
 }
@@ -57,7 +63,7 @@ void Track::cut_into_steps(Until until) {
     push_step(pieces_.end() - 1, left / count, false);
     if (count == 1.0) last.stepped = last.end;
   }
-  if (steps_.end() != before) plan_backward();
+  if (steps_.end() != before) plan();
 }
 
 void Track::append(Piece piece) {
@@ -108,7 +114,7 @@ void Track::append_span(Piece piece) {
 
 void Track::push(Piece piece, bool stop_before) {
   push_unplanned(std::move(piece), stop_before);
-  plan_backward();
+  plan();
   extend();
 }
 
@@ -158,22 +164,23 @@ void Track::set_end_of_last(double end) {
   } else {
     // The step that comes to lie across the end goes too, and one that would leave a sliver.
     while (steps_.back().end() > end - 0.5 * last.grid && steps_.back().start > last.begin &&
-           steps_.end() - 1 > place_.step) {
+           steps_.end() - 1 > furthest_.step) {
       steps_.pop_back();
     }
     last.stepped = steps_.back().end();
   }
-  plan_backward();
+  plan();
   cut_into_steps(Until::end);
 }
 
-/// How much of the last curve a blend may still take.
+/// How much of the last curve a blend may still take: nothing of what has been driven.
 double Track::free_before_end() const {
   const Piece& last = pieces_.back();
+  if (at_end(furthest_)) return 0.0;
   const double share = kLargestCutShare * length_of(last.curve);
-  const Step& step = steps_[place_.step];
+  const Step& step = steps_[furthest_.step];
   if (step.piece != pieces_.end() - 1) return share;
-  const double driven = step.straight ? step.start + place_.done : step.end();
+  const double driven = step.straight ? step.start + furthest_.done : step.end();
   return std::min(share, 0.9 * (last.end - driven));
 }
 
@@ -190,7 +197,7 @@ void Track::set_overrides(const Overrides& overrides) {
     apply_feed(steps_[i], pieces_[steps_[i].piece]);
     steps_[i].wanted_entry = -1.0;
   }
-  plan_backward();
+  plan();
 }
 
 void Track::apply_feed(Step& step, const Piece& piece) const {
@@ -210,9 +217,12 @@ double Track::entry_limit(std::uint64_t index, double Step::*limit) const {
   return std::min(step.*limit, steps_[index - 1].*limit);
 }
 
-void Track::plan_backward() {
-  Exit exit{0.0, 0.0};
-  for (std::uint64_t i = steps_.end(); i-- > place_.step + 1;) {
+/// Plans the steps from number `end` − 1 back to the one behind the machine's own; those from `end`
+/// on are planned.
+void Track::plan_backward(std::uint64_t end) {
+  Exit exit = end == steps_.end() ? Exit{0.0, 0.0}
+                                  : Exit{steps_[end].machine_entry, steps_[end].wanted_entry};
+  for (std::uint64_t i = end; i-- > place_.step + 1;) {
     Step& step = steps_[i];
     const double machine = largest_entry(step, exit.machine_x);
     const double wanted =
@@ -244,15 +254,30 @@ bool Track::place_is_safe() const {
 
 void Track::advance(const Place& place) {
   place_ = place;
-  while (steps_.first() < place_.step) steps_.pop_front();
+  if (!was_further()) furthest_ = place_;
+}
+
+bool Track::was_further() const { return is_further(furthest_, place_); }
+
+void Track::forget_before(std::uint64_t step) {
+  while (steps_.first() < step) steps_.pop_front();
   if (steps_.empty()) return clear();
   while (pieces_.first() < steps_.front().piece) pieces_.pop_front();
+}
+
+/// What was appended since, and overrides, may have changed the plan of the steps in between.
+void Track::go_back(const Place& place) {
+  const std::uint64_t planned = std::min(place_.step + 1, steps_.end());
+  place_ = place;
+  for (std::uint64_t i = place_.step + 1; i < planned; ++i) steps_[i].machine_entry = -1.0;
+  plan_backward(planned);
 }
 
 void Track::clear() {
   steps_.clear();
   pieces_.clear();
   place_ = {steps_.end(), 0.0, 0.0};
+  furthest_ = place_;
   look_ahead_ = 0.0;
 }
 

@@ -1,9 +1,10 @@
 // The planned part of the path, and where on it the machine is.
 //
 // Curves are appended, joined at their junctions, cut into steps (step.h), and planned backward so
-// that each step knows with which speed it may be entered; the sampler walks along and steps vanish
-// behind it. The plan always ends in a standstill at the end of what has been appended, whatever is
-// added later.
+// that each step knows with which speed it may be entered; the sampler walks along. The plan always
+// ends in a standstill at the end of what has been appended, whatever is added later. Steps behind
+// the machine stay until they are forgotten, so that it can be sent back to a place at which it
+// was; the path up to the furthest such place never changes.
 //
 // Memory is fixed: a curve of very many steps (a helix with ten thousand turns) is cut into steps
 // as room becomes free. Appending costs amortised constant time: the backward pass stops where
@@ -38,13 +39,18 @@ struct Place {
   double speed = 0.0;
 };
 
+/// Most steps planned ahead of the machine, and most that a caller may leave unforgotten behind it.
+inline constexpr std::size_t kMostStepsAhead = 8192;
+inline constexpr std::size_t kMostStepsBehind = 8192;
+
 class Track {
  public:
-  explicit Track(const AxisLimits& limits, std::size_t max_steps = 8192);
+  explicit Track(const AxisLimits& limits, std::size_t steps_behind = 0);
 
   [[nodiscard]] const AxisLimits& limits() const { return limits_; }
 
-  [[nodiscard]] bool empty() const { return steps_.empty(); }
+  /// Nothing is left to be driven.
+  [[nodiscard]] bool empty() const { return at_end(place_); }
   /// True when a whole braking distance and more is planned, or memory is used up.
   [[nodiscard]] bool sufficient() const;
   /// Cuts what waits of the last curve into steps until sufficient(); true when none is left.
@@ -54,15 +60,22 @@ class Track {
   /// Appends a span of a smoothed path, which goes on smoothly from the span before it or begins
   /// where the machine stands. Planned only with the next call of plan(), for many at once.
   void append_span(Piece piece);
-  void plan() { plan_backward(); }
+  void plan() { plan_backward(steps_.end()); }
   /// The machine shall stand still at the present end, whatever comes.
   void stop_at_end();
 
   void set_overrides(const Overrides& overrides);
 
   [[nodiscard]] const Place& place() const { return place_; }
-  /// Moves the machine on; drops what lies behind. Forgets everything once it stands at the end.
+  /// Moves the machine on.
   void advance(const Place& place);
+  /// Drops the steps before number `step`, which the machine has passed; everything once it stands
+  /// at the end and no step is left.
+  void forget_before(std::uint64_t step);
+  /// Sends the machine back to a place at which it was and whose step is not forgotten.
+  void go_back(const Place& place);
+  /// Whether the machine has been further along than it is.
+  [[nodiscard]] bool was_further() const;
   void clear();
 
   [[nodiscard]] const Step& step(std::uint64_t index) const { return steps_[index]; }
@@ -94,7 +107,7 @@ class Track {
   [[nodiscard]] double free_before_end() const;
   [[nodiscard]] bool append_blended(const Piece& piece, double cut);
   void apply_feed(Step& step, const Piece& piece) const;
-  void plan_backward();
+  void plan_backward(std::uint64_t end);
   [[nodiscard]] double entry_limit(std::uint64_t index, double Step::*limit) const;
   [[nodiscard]] Exit exit_of(std::uint64_t index) const;
   [[nodiscard]] bool place_is_safe() const;
@@ -104,6 +117,7 @@ class Track {
   Ring<Piece> pieces_;
   Ring<Step> steps_;
   Place place_;
+  Place furthest_;  ///< since clear(); up to here the path has been driven and stays as it is
   double look_ahead_ = 0.0;  ///< mm; enough for the fastest curve since the last standstill
 };
 
