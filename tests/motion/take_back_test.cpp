@@ -158,7 +158,7 @@ TEST_CASE("What was taken back too late counts again when that is revoked", "[MO
 TEST_CASE(
     "Hold, resume and overrides at any instant, from any setpoint that waits, stay on the path",
     "[MOT-1][LNK-8][JOB-8][MAN-8]") {
-  for (std::uint32_t seed = 1; seed <= 60; ++seed) {
+  for (std::uint32_t seed = 1; seed <= 30; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
     PlannerSettings settings = settings_with_history();
@@ -216,7 +216,7 @@ TEST_CASE("More setpoints than are kept forget the oldest, and the way ahead kee
   PlannerSettings settings = settings_with_history();
   settings.most_taken_back = 64;
   Host host(settings);
-  for (int i = 1; i <= 30'000; ++i) {
+  for (int i = 1; i <= 10'000; ++i) {
     add_line(host.planner, host.path, xyz(0.01 * i, 0.005 * std::sin(0.02 * i)), feed_of(50));
     while (host.planner.full()) host.draw(host.fifo.size() + 1);
   }
