@@ -82,13 +82,13 @@ constexpr Position& operator*=(Position& a, double factor) {
   return sum;
 }
 
-/// Euclidean length of the X Y Z part, in mm.
+/// Euclidean length of the X Y Z part, in mm. Coordinates are far from where squares overflow.
 [[nodiscard]] inline double linear_length(const Position& p) {
-  return std::hypot(p[Axis::X], p[Axis::Y], p[Axis::Z]);
+  return std::sqrt(p[Axis::X] * p[Axis::X] + p[Axis::Y] * p[Axis::Y] + p[Axis::Z] * p[Axis::Z]);
 }
 /// Euclidean length of the A B C part, in degrees.
 [[nodiscard]] inline double rotary_length(const Position& p) {
-  return std::hypot(p[Axis::A], p[Axis::B], p[Axis::C]);
+  return std::sqrt(p[Axis::A] * p[Axis::A] + p[Axis::B] * p[Axis::B] + p[Axis::C] * p[Axis::C]);
 }
 
 }  // namespace cnc

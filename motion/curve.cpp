@@ -149,14 +149,6 @@ Cubic hermite_cubic(const Position& start, const Position& start_tangent, const 
   return {start, start_tangent, c2, c3, end, length};
 }
 
-Position Cubic::point(double s) const {
-  return s >= length_ ? end_ : start_ + s * (c1_ + s * (c2_ + s * c3_));
-}
-
-Position Cubic::tangent(double s) const { return c1_ + s * (2.0 * c2_ + (3.0 * s) * c3_); }
-
-Position Cubic::bend(double s) const { return 2.0 * c2_ + (6.0 * s) * c3_; }
-
 // --- Curve ---------------------------------------------------------------------------------------
 
 double length_of(const Curve& curve) {

@@ -111,9 +111,11 @@ class Cubic {
       : start_(start), end_(end), c1_(c1), c2_(c2), c3_(c3), length_(length) {}
 
   [[nodiscard]] double length() const { return length_; }
-  [[nodiscard]] Position point(double s) const;
-  [[nodiscard]] Position tangent(double s) const;
-  [[nodiscard]] Position bend(double s) const;
+  [[nodiscard]] Position point(double s) const {
+    return s >= length_ ? end_ : start_ + s * (c1_ + s * (c2_ + s * c3_));
+  }
+  [[nodiscard]] Position tangent(double s) const { return c1_ + s * (2.0 * c2_ + (3.0 * s) * c3_); }
+  [[nodiscard]] Position bend(double s) const { return 2.0 * c2_ + (6.0 * s) * c3_; }
   [[nodiscard]] Position third() const { return 6.0 * c3_; }  ///< q'''
   [[nodiscard]] const Position& end() const { return end_; }
 

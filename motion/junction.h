@@ -33,6 +33,6 @@ struct BlendLimits {
 
 /// The blend from `cut` before the end of `before` to `cut` after the begin of `after`.
 [[nodiscard]] Cubic make_blend(const Curve& before, double before_end, const Curve& after,
-                                     double cut);
+                               double cut);
 
 }  // namespace cnc::motion

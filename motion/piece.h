@@ -15,13 +15,8 @@ enum class Entry : std::uint8_t {
   standstill,  ///< as the first span of a run
 };
 
-/// The range [begin, end] of the curve is driven; blends have taken the rest.
-struct Piece {
-  Curve curve;
-  double begin = 0.0;
-  double end = 0.0;
-  double stepped = 0.0;  ///< up to here it has been cut into steps
-  double grid = 0.0;     ///< longest step
+/// What the program wants of a move.
+struct Wishes {
   MoveKind kind = MoveKind::feed;
   bool follows_override = true;
   double feed = 0.0;
@@ -29,8 +24,17 @@ struct Piece {
   double tolerance = 0.0;  ///< mm the path may leave it by (G64 P); 0: exact path
   double simplify = 0.0;   ///< mm within which lines may be joined (Q)
   bool stop_at_end = false;
-  Entry entry = Entry::vertex;
   MoveTag tag;
+};
+
+/// The range [begin, end] of the curve is driven; blends have taken the rest.
+struct Piece : Wishes {
+  Curve curve;
+  double begin = 0.0;
+  double end = 0.0;
+  double stepped = 0.0;  ///< up to here it has been cut into steps
+  double grid = 0.0;     ///< longest step
+  Entry entry = Entry::vertex;
 };
 
 }  // namespace cnc::motion

@@ -8,6 +8,7 @@
 #include "motion/extents.h"
 #include "motion/ring.h"
 #include "motion/sampler.h"
+#include "motion/simplifier.h"
 #include "motion/smoother.h"
 #include "motion/track.h"
 
@@ -15,8 +16,13 @@ namespace cnc::motion {
 
 namespace {
 
-/// Moves that may wait behind what is planned; a caller that asks full() never has more than one.
+/// Moves that may wait behind what is planned; a caller that asks full() never has more than a
+/// batch.
 constexpr std::size_t kMostWaiting = 65'536;
+
+/// So many moves go to the track at once: every time, the speed plan changes over a whole braking
+/// distance before its end.
+constexpr std::size_t kBatch = 64;
 
 bool is_usable(double value) { return std::abs(value) <= kLargestCoordinate; }  // false for NaN
 
@@ -109,11 +115,12 @@ struct Planner::Impl {
 
   /// Moves waiting curves through the smoother onto the track, as far as planning looks ahead.
   void feed_track() {
-    while (track.extend() && !track.sufficient()) {
+    while (track.extend() && !track.well_stocked()) {
       if (smoother.ready()) {
-        append(smoother.take());
+        append(smoother.front());
+        smoother.pop();
       } else if (!waiting.empty()) {
-        smoother.add(waiting.front());
+        simplify(waiting.front());
         waiting.pop_front();
       } else {
         break;
@@ -122,20 +129,30 @@ struct Planner::Impl {
     track.plan();
   }
 
-  /// With `close` the smoothed path ends where the moves do.
-  void take_in(bool close) {
-    feed_track();
-    if (!close) return;
+  void simplify(const Piece& piece) {
+    if (simplifier.add(piece)) return;
+    if (auto line = simplifier.take()) smoother.add(*line);
+    if (!simplifier.add(piece)) smoother.add(piece);
+  }
+
+  [[nodiscard]] bool full() const { return waiting.size() >= kBatch && track.sufficient(); }
+
+  /// A supply that has ended before there is enough closes what is still open.
+  void take_in(Supply supply) {
+    const bool dry = supply == Supply::ended && !full();
+    if (!track.sufficient()) feed_track();
+    if (!dry || track.sufficient()) return;
+    if (auto line = simplifier.take()) smoother.add(*line);
     smoother.finish();
     feed_track();
   }
 
-  void append(Piece piece) {
+  void append(const Piece& piece) {
     if (piece.entry != Entry::vertex) {
-      track.append_span(std::move(piece));
+      track.append_span(piece);
     } else {
       track.plan();
-      track.append(std::move(piece));
+      track.append(piece);
     }
   }
 
@@ -161,7 +178,7 @@ struct Planner::Impl {
     waiting.reserve(waiting.size() + 1);
     waiting.push_back(std::move(piece));
     queue_end = end;
-    if (!unconfirmed) feed_track();
+    if (!unconfirmed && waiting.size() >= kBatch) feed_track();
     return {};
   }
 
@@ -170,6 +187,8 @@ struct Planner::Impl {
     if (!options.stop_at_end) return;
     if (!waiting.empty()) {
       waiting.back().stop_at_end = true;
+    } else if (simplifier.stop_at_end()) {
+      return;
     } else if (!smoother.stop_at_end()) {
       track.stop_at_end();
     }
@@ -235,6 +254,7 @@ struct Planner::Impl {
   }
 
   PlannerSettings settings;
+  Simplifier simplifier;
   Smoother smoother;
   Track track;
   Sampler sampler;
@@ -274,16 +294,17 @@ Result<void> Planner::add_arc(const ArcShape& shape, const MoveOptions& options)
   return impl_->add(*arc, extents_of_arc(*arc), shape.end, options);
 }
 
-bool Planner::full() const { return !impl_->waiting.empty() || impl_->track.sufficient(); }
+bool Planner::full() const { return impl_->full(); }
 
 bool Planner::idle() const {
-  return impl_->waiting.empty() && impl_->smoother.empty() && impl_->track.empty();
+  return impl_->waiting.empty() && impl_->simplifier.empty() && impl_->smoother.empty() &&
+         impl_->track.empty();
 }
 
 std::optional<Setpoint> Planner::next(Supply supply) {
   Track& track = impl_->track;
   if (!impl_->unconfirmed) {
-    impl_->take_in(supply == Supply::ended && !full());
+    impl_->take_in(supply);
   } else if (!impl_->may_draw_unconfirmed()) {
     return std::nullopt;
   }
@@ -293,6 +314,18 @@ std::optional<Setpoint> Planner::next(Supply supply) {
   impl_->position = setpoint->position;
   impl_->keep(mark);
   return setpoint;
+}
+
+std::optional<Planner::Stretch> Planner::skip(Supply supply) {
+  impl_->forget_marks();
+  impl_->take_in(supply);
+  Track& track = impl_->track;
+  if (impl_->held || track.empty()) return std::nullopt;
+  const MoveTag tag = track.piece_at(track.place()).tag;
+  const double duration = track.skip();
+  impl_->position = track.position_at(track.place());
+  impl_->forget_path();
+  return duration > 0.0 ? std::optional(Stretch{duration, tag}) : std::nullopt;
 }
 
 std::size_t Planner::known() const { return impl_->marks.size(); }
@@ -344,6 +377,7 @@ bool Planner::clear() {
   if (!impl_->standing()) return false;
   impl_->forget_marks();
   impl_->track.clear();
+  impl_->simplifier.clear();
   impl_->smoother.clear();
   impl_->waiting.clear();
   impl_->queue_end = impl_->position;

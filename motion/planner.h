@@ -81,6 +81,14 @@ class Planner {
   /// it has to.
   [[nodiscard]] std::optional<Setpoint> next(Supply supply = Supply::ended);
 
+  /// Goes on without setpoints, for predictions: the time to the end of a stretch of one move, and
+  /// its tag. It moves on along the very plan that next() samples.
+  struct Stretch {
+    double duration = 0.0;
+    MoveTag tag;
+  };
+  [[nodiscard]] std::optional<Stretch> skip(Supply supply = Supply::ended);
+
   /// Operator's overrides as factors; they act from the next setpoint on. Feed 0 … 3, 0 stops along
   /// the path like hold(); rapid 0 … 1. Values outside are brought inside. A change costs one pass
   /// over the planned steps, half a millisecond at most.

@@ -37,6 +37,12 @@ class Ring {
     slots_[slot(end_)] = std::move(value);
     ++end_;
   }
+  /// One more element at the end, to be filled in by the caller: it holds what the slot held
+  /// before.
+  [[nodiscard]] T& push_back() {
+    assert(free() > 0);
+    return slots_[slot(end_++)];
+  }
   void pop_front() { ++first_; }
   void pop_back() { --end_; }
   void clear() { first_ = end_; }

@@ -240,25 +240,20 @@ void Smoother::add_span(const Segment& segment, double from, double to, double e
 
 void Smoother::collect() {
   ready_.reserve(ready_.size() + spline_.ready());
-  while (spline_.ready() > 0) {
-    const TubeSpline::Ready span = spline_.take();
-    Piece piece = sources_.front();
+  for (; spline_.ready() > 0; spline_.pop()) {
+    const TubeSpline::Ready& span = spline_.front();
+    Piece& piece = ready_.push_back();
+    static_cast<Wishes&>(piece) = sources_.front();
     piece.curve = span.curve;
+    piece.begin = piece.stepped = 0.0;
     piece.end = span.curve.length();
     piece.stop_at_end = span.stop_at_end;
     piece.entry = std::exchange(next_entry_, Entry::smooth);
-    ready_.push_back(std::move(piece));
     if (--span_count_.front() == 0) {
       span_count_.pop_front();
       sources_.pop_front();
     }
   }
-}
-
-Piece Smoother::take() {
-  Piece piece = std::move(ready_.front());
-  ready_.pop_front();
-  return piece;
 }
 
 }  // namespace cnc::motion

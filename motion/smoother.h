@@ -35,7 +35,8 @@ class Smoother {
 
   /// The pieces of the path in order.
   [[nodiscard]] bool ready() const { return !ready_.empty(); }
-  [[nodiscard]] Piece take();
+  [[nodiscard]] const Piece& front() const { return ready_.front(); }
+  void pop() { ready_.pop_front(); }
   /// Nothing inside, ready or not.
   [[nodiscard]] bool empty() const { return ready_.empty() && !in_run_; }
   void clear();
@@ -68,7 +69,7 @@ class Smoother {
   double weakest_acceleration_;
   Ring<Segment> segments_;
   Segment last_placed_;
-  Ring<Piece> sources_;           // of spans that are not ready
+  Ring<Wishes> sources_;          // of spans that are not ready
   Ring<std::size_t> span_count_;  // of each source
   Ring<Piece> ready_;
   Entry next_entry_ = Entry::standstill;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 
 namespace cnc::motion {
 
@@ -22,12 +23,6 @@ constexpr double kLargestTurn = 2.0 * std::numbers::pi / 180.0;
 /// Steps of a cubic keep the limits all along, whatever their length; finer ones only gain time.
 constexpr double kCubicTurn = 5.0 * std::numbers::pi / 180.0;
 constexpr double kMostCubicSteps = 4.0;
-
-/// |gain * w + offset * x| <= limit, solved for w: |w + slope * x| <= width.
-struct Row {
-  double slope;
-  double width;
-};
 
 /// |gain * w + offset * x| <= limit: what an axis' limit says about w and x.
 struct Demand {
@@ -57,55 +52,62 @@ Demands demands_of(const Step& step, Axis axis, double done) {
   return {{{tangent, bend}, end, {tangent + 1.5 * left * bend, bend + 0.5 * left * third}}, 3};
 }
 
-/// The rows of a step: three per moving axis at most. An axis that does not feel w bounds x alone.
-struct Rows {
-  Row row[3 * kAxisCount];
-  int count = 0;
-  double largest_x = kInfinity;
-
-  void add(const Demand& demand, double limit) {
-    if (std::abs(demand.gain) > kInsensitive) {
-      row[count++] = {demand.offset / demand.gain, limit / std::abs(demand.gain)};
-    } else if (demand.offset != 0.0) {
-      largest_x = std::min(largest_x, limit / std::abs(demand.offset));
-    }
-  }
-};
-
 bool is_still(const Step& step, Axis axis) {
   return step.tangent[0][axis] == 0.0 && step.bend[0][axis] == 0.0 && step.bend[1][axis] == 0.0;
 }
 
-Rows rows_of(const Step& step) {
-  Rows rows;
+/// Fills in the rows. An axis that does not feel w bounds x alone: the largest x for which a w
+/// exists that satisfies all rows is what comes back; any two of them must meet.
+double set_rows(Step& step) {
+  double x = kInfinity;
   for (const Axis axis : kAllAxes) {
     if (is_still(step, axis)) continue;
+    const double limit = step.acceleration[axis];
     const Demands demands = demands_of(step, axis, 0.0);
-    for (int i = 0; i < demands.count; ++i) rows.add(demands.demand[i], step.acceleration[axis]);
+    for (int i = 0; i < demands.count; ++i) {
+      const auto [gain, offset] = demands.demand[i];
+      if (std::abs(gain) > kInsensitive) {
+        const double inverse = 1.0 / gain;
+        step.rows[static_cast<std::size_t>(step.row_count++)] = {offset * inverse,
+                                                                 limit * std::abs(inverse)};
+      } else if (offset != 0.0) {
+        x = std::min(x, limit / std::abs(offset));
+      }
+    }
   }
-  return rows;
-}
-
-/// Largest x for which a w exists that satisfies all rows: any two of them must meet.
-double largest_x(const Rows& rows) {
-  double x = rows.largest_x;
-  for (int m = 0; m < rows.count; ++m) {
+  for (int m = 0; m < step.row_count; ++m) {
     for (int n = 0; n < m; ++n) {
-      const double apart = std::abs(rows.row[m].slope - rows.row[n].slope);
-      const double widths = rows.row[m].width + rows.row[n].width;
+      const Row& a = step.rows[static_cast<std::size_t>(m)];
+      const Row& b = step.rows[static_cast<std::size_t>(n)];
+      const double apart = std::abs(a.slope - b.slope);
+      const double widths = a.width + b.width;
       if (apart * x > widths) x = widths / apart;
     }
   }
   return x;
 }
 
+std::span<const Row> rows_of(const Step& step) {
+  return {step.rows.data(), static_cast<std::size_t>(step.row_count)};
+}
+
 /// Largest |w| that the rows allow up to x.
-double largest_w(const Rows& rows, double x) {
+double largest_w(const Step& step, double x) {
   double w = kInfinity;
-  for (int m = 0; m < rows.count; ++m) {
-    w = std::min(w, rows.row[m].width + std::abs(rows.row[m].slope) * x);
-  }
+  for (const auto& [slope, width] : rows_of(step)) w = std::min(w, width + std::abs(slope) * x);
   return w;
+}
+
+/// Braking: the least w of a row, −width − slope x, has to reach the exit. And w may not have to be
+/// above the row's largest, width − slope x, only to keep x from becoming negative: where the slope
+/// is steep, x has a largest value whatever the exit.
+double largest_steep_x(const Step& step) {
+  const double h2 = 2.0 * step.length;
+  double x = kInfinity;
+  for (const auto& [slope, width] : rows_of(step)) {
+    if (h2 * slope > 1.0) x = std::min(x, h2 * width / (h2 * slope - 1.0));
+  }
+  return x;
 }
 
 Range intersect(Range range, const Demand& demand, double limit, double x) {
@@ -155,21 +157,6 @@ void complete_straight(Step& step, const AxisLimits& limits) {
   step.machine_x = speed * speed;
 }
 
-/// Largest |q'| of each axis over the step, from both ends and the middle. A quadratic between
-/// three equidistant points exceeds the largest of them by at most an eighth of their second
-/// difference.
-Position largest_tangent(const Step& step, const Position& middle) {
-  Position largest;
-  for (const Axis axis : kAllAxes) {
-    const double a = step.tangent[0][axis];
-    const double b = middle[axis];
-    const double c = step.tangent[1][axis];
-    largest[axis] =
-        std::max({std::abs(a), std::abs(b), std::abs(c)}) + std::abs(a - 2.0 * b + c) / 8.0;
-  }
-  return largest;
-}
-
 /// The Bézier coefficients of q' bound its length.
 double largest_stretch(const Step& step) {
   const Position middle = step.tangent[0] + 0.5 * step.length * step.bend[0];
@@ -177,28 +164,56 @@ double largest_stretch(const Step& step) {
       {linear_length(step.tangent[0]), linear_length(middle), linear_length(step.tangent[1])});
 }
 
-double speed_limit(const Step& step, const Position& middle_tangent, const AxisLimits& limits) {
-  Position velocity = limits.max_velocity;
+/// Largest ds/dt that keeps the axes' velocities: |q'| of an axis over the step is bounded by its
+/// Bézier coefficients on cubics; elsewhere by both ends and the middle, since a quadratic between
+/// three equidistant points exceeds the largest of them by at most an eighth of their second
+/// difference.
+double speed_limit(const Step& step, const Curve& curve, const AxisLimits& limits) {
+  const double reserve = velocity_reserve(step.weakest);
+  Position middle;
+  if (!step.cubic) middle = tangent_of(curve, step.start + 0.5 * step.length);
+  double slowness = 0.0;
   for (const Axis axis : kAllAxes) {
-    velocity[axis] -= std::min(0.5 * velocity[axis], velocity_reserve(step.weakest));
+    if (is_still(step, axis)) continue;
+    const double a = step.tangent[0][axis];
+    const double c = step.tangent[1][axis];
+    const double b = step.cubic ? a + 0.5 * step.length * step.bend[0][axis] : middle[axis];
+    const double bow = step.cubic ? 0.0 : std::abs(a - 2.0 * b + c) / 8.0;
+    const double largest = std::max({std::abs(a), std::abs(b), std::abs(c)}) + bow;
+    const double limit = limits.max_velocity[axis];
+    slowness = std::max(slowness, largest / (limit - std::min(0.5 * limit, reserve)));
   }
-  return largest_along(largest_tangent(step, middle_tangent), velocity);
+  return 1.0 / slowness;
 }
 
-void complete_curved(Step& step, const Position& middle_tangent, const AxisLimits& limits) {
+void complete_curved(Step& step, const Curve& curve, const AxisLimits& limits) {
   step.curvature = std::max(norm(step.bend[0]), norm(step.bend[1]));
   step.third = norm(step.bend[1] - step.bend[0]) / step.length;
   // On arcs q'' turns with the curve; on cubics it is linear.
   if (!step.cubic && step.curvature > 0.0) step.fourth = step.third * step.third / step.curvature;
-  const double speed = speed_limit(step, middle_tangent, limits);
-  const Rows rows = rows_of(step);
-  const double x = std::min(speed * speed, largest_x(rows));
-  const double share = 1.0 - free_part(step, x, largest_w(rows, x));
+  const double speed = speed_limit(step, curve, limits);
+  const double bearable = set_rows(step);
+  const double x = std::min(speed * speed, bearable);
+  const double share = 1.0 - free_part(step, x, largest_w(step, x));
   // All rows are proportional to the accelerations, and so is what follows from them.
   step.acceleration *= share;
-  step.machine_x = std::min(speed * speed, share * largest_x(rows));
+  for (int i = 0; i < step.row_count; ++i) step.rows[static_cast<std::size_t>(i)].width *= share;
+  step.machine_x = std::min({speed * speed, share * bearable, largest_steep_x(step)});
   step.along = std::min(largest_along(step.tangent[0], step.acceleration),
                         largest_along(step.tangent[1], step.acceleration));
+}
+
+void set_derivatives(Step& step, const Curve& curve) {
+  const double ends[2] = {step.start, step.end()};
+  for (int i = 0; i < 2; ++i) {
+    if (const auto* cubic = std::get_if<Cubic>(&curve)) {
+      step.tangent[i] = cubic->tangent(ends[i]);
+      step.bend[i] = cubic->bend(ends[i]);
+    } else {
+      step.tangent[i] = tangent_of(curve, ends[i]);
+      step.bend[i] = bend_of(curve, ends[i]);
+    }
+  }
 }
 
 }  // namespace
@@ -207,32 +222,31 @@ double fourth_derivative(const Step& step, double x, double w) {
   return step.fourth * x * x + 6.0 * step.third * x * w + 3.0 * step.curvature * w * w;
 }
 
-Step make_step(const Curve& curve, double start, double length, const AxisLimits& limits) {
-  Step step;
+void set_step(Step& step, const Curve& curve, double start, double length,
+              const AxisLimits& limits) {
   step.start = start;
   step.length = length;
   step.straight = is_straight(curve);
   step.cubic = std::holds_alternative<Cubic>(curve);
-  step.tangent[0] = tangent_of(curve, start);
-  step.tangent[1] = tangent_of(curve, start + length);
-  step.bend[0] = bend_of(curve, start);
-  step.bend[1] = bend_of(curve, start + length);
+  step.stretch = 1.0;
+  step.row_count = 0;
+  step.curvature = step.third = step.fourth = 0.0;
+  step.machine_entry = step.wanted_entry = -1.0;
   step.acceleration = limits.max_acceleration;
+  set_derivatives(step, curve);
   step.weakest = weakest_axis(step, limits);
   if (step.cubic) step.stretch = largest_stretch(step);
   if (step.straight) {
     complete_straight(step, limits);
   } else {
-    complete_curved(step, tangent_of(curve, start + 0.5 * length), limits);
+    complete_curved(step, curve, limits);
   }
-  return step;
 }
 
 double grid_length(const Curve& curve, double start, double end, double speed,
-                   const AxisLimits& limits) {
+                   double acceleration) {
   const double length = end - start;
   if (is_straight(curve)) return length;
-  const double acceleration = largest_along(tangent_of(curve, start), limits.max_acceleration);
   const double by_speed = std::max(0.05 * speed * speed / acceleration, speed * kGridTime);
   if (const auto* cubic = std::get_if<Cubic>(&curve)) {
     const double turn = turn_between(cubic->tangent(start), cubic->tangent(end));
@@ -248,24 +262,24 @@ double grid_length(const Curve& curve, double start, double end, double speed,
 double largest_entry(const Step& step, double exit_x) {
   const double h2 = 2.0 * step.length;
   if (step.straight) return std::min(step.machine_x, exit_x + h2 * step.along);
-  const Rows rows = rows_of(step);
   double x = step.machine_x;
-  for (int m = 0; m < rows.count; ++m) {
-    const auto [slope, width] = rows.row[m];
+  for (const auto& [slope, width] : rows_of(step)) {
     const double steep = 1.0 - h2 * slope;
-    // Braking: the least w of this row, −width − slope x, has to reach exit_x. And w may not have
-    // to be above the row's largest, width − slope x, only to keep x from becoming negative.
-    if (steep > 0.0) {
-      x = std::min(x, (exit_x + h2 * width) / steep);
-    } else if (steep < 0.0) {
-      x = std::min(x, h2 * width / -steep);
-    }
+    const double reach = exit_x + h2 * width;
+    if (steep > 0.0 && x * steep > reach) x = reach / steep;
   }
   return x;
 }
 
 Range allowed_w(const Step& step, double done, double x) {
   Range range{-kInfinity, kInfinity};
+  if (done == 0.0) {
+    for (const auto& [slope, width] : rows_of(step)) {
+      range.low = std::max(range.low, -width - slope * x);
+      range.high = std::min(range.high, width - slope * x);
+    }
+    return range;
+  }
   for (const Axis axis : kAllAxes) {
     if (is_still(step, axis)) continue;
     const Demands demands = demands_of(step, axis, done);

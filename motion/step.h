@@ -11,6 +11,7 @@
 // limit, they keep all that lies between.
 #pragma once
 
+#include <array>
 #include <cstdint>
 
 #include "config/axis.h"
@@ -30,6 +31,12 @@ inline constexpr double kCubicReserve = 2.5e-4;
 /// Largest distance of a setpoint's cubic from the planned motion, mm.
 inline constexpr double kCubicTolerance = 1e-6;
 
+/// What a limit says about w and x: |w + slope * x| <= width.
+struct Row {
+  double slope;
+  double width;
+};
+
 struct Step {
   std::uint64_t piece = 0;  ///< index in the track
   double start = 0.0;       ///< curve parameter at its begin
@@ -42,6 +49,11 @@ struct Step {
   Position tangent[2];    ///< q' at both ends
   Position bend[2];       ///< q'' at both ends
   Position acceleration;  ///< what may be used of each axis' limit
+
+  /// The limits of the axes on a curve, three rows for each that moves at most; at the step's
+  /// begin.
+  std::array<Row, 3 * kAxisCount> rows;
+  int row_count = 0;
 
   double along = 0.0;      ///< largest |w| at x = 0
   double stretch = 1.0;    ///< largest |q'| in X Y Z: the feed is |q'| ds/dt
@@ -61,10 +73,10 @@ struct Step {
   [[nodiscard]] double end() const { return start + length; }
 };
 
-/// The stretch [start, start + length] of `curve`; everything that does not depend on feed or
-/// neighbours is filled in.
-[[nodiscard]] Step make_step(const Curve& curve, double start, double length,
-                             const AxisLimits& limits);
+/// Makes `step` the stretch [start, start + length] of `curve`; everything that does not depend on
+/// feed or neighbours is filled in, whatever the step was before.
+void set_step(Step& step, const Curve& curve, double start, double length,
+              const AxisLimits& limits);
 
 /// Bound of the fourth derivative of position by time on a curved step, at x and |w|.
 [[nodiscard]] double fourth_derivative(const Step& step, double x, double w);
@@ -72,7 +84,7 @@ struct Step {
 /// Step length on a curve that is driven at up to `speed`: at most 2° of turning, at most a part of
 /// the distance in which the speed is reached, and no finer than 5 ms.
 [[nodiscard]] double grid_length(const Curve& curve, double start, double end, double speed,
-                                 const AxisLimits& limits);
+                                 double acceleration);
 
 /// Largest x at the begin of `step` from which x at its end can be at most `exit_x`.
 [[nodiscard]] double largest_entry(const Step& step, double exit_x);

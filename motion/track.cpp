@@ -21,6 +21,12 @@ constexpr double kLargestCutShare = 0.45;
 /// Beyond the braking distance, this much time at full speed: setpoints are drawn in batches.
 constexpr double kLookAheadTime = 0.1;
 
+/// In units of the distance that planning needs to look ahead.
+constexpr double kStock = 1.3;
+
+/// skip() goes on for this long where more path may still change the plan behind it, s.
+constexpr double kSkipTime = 0.005;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool is_further(const Place& a, const Place& b) {
@@ -43,31 +49,41 @@ Track::Track(const AxisLimits& limits, std::size_t steps_behind)
 
 bool Track::sufficient() const {
   if (empty()) return false;
-  if (steps_.end() - place_.step > kMostStepsAhead - kSpareSteps) return true;
+  return steps_are_many() || known_way() >= look_ahead_;
+}
+
+bool Track::well_stocked() const {
+  return sufficient() && (steps_are_many() || known_way() >= kStock * look_ahead_);
+}
+
+bool Track::steps_are_many() const {
+  return steps_.end() - place_.step > kMostStepsAhead - kSpareSteps;
+}
+
+/// From the present place to the end of the steps, mm.
+double Track::known_way() const {
   const double end = steps_.back().distance + steps_.back().length;
-  return end - steps_[place_.step].distance - place_.done >= look_ahead_;
+  return end - steps_[place_.step].distance - place_.done;
 }
 
 bool Track::extend() {
   if (pieces_.empty()) return true;
-  cut_into_steps(Until::sufficient);
+  cut_into_steps(Until::well_stocked);
   return pieces_.back().stepped >= pieces_.back().end;
 }
 
 void Track::cut_into_steps(Until until) {
   Piece& last = pieces_.back();
-  const std::uint64_t before = steps_.end();
-  while (last.stepped < last.end && (until == Until::end || !sufficient())) {
+  while (last.stepped < last.end && (until == Until::end || !well_stocked())) {
     const double left = last.end - last.stepped;
     const double count = std::max(1.0, std::ceil(left / last.grid - 1e-9));
     push_step(pieces_.end() - 1, left / count, false);
     if (count == 1.0) last.stepped = last.end;
   }
-  if (steps_.end() != before) plan();
 }
 
-void Track::append(Piece piece) {
-  if (empty()) return push(std::move(piece), true);
+void Track::append(const Piece& piece) {
+  if (empty()) return push(piece, true);
   const Piece& last = pieces_.back();
   const double length = piece.end;
   const BlendLimits limits{kExactPathTolerance, std::min(last.laf_angle, piece.laf_angle),
@@ -76,7 +92,7 @@ void Track::append(Piece piece) {
                                 ? Junction{JunctionKind::corner}
                                 : judge_junction(last.curve, last.end, piece.curve, limits);
   if (junction.kind == JunctionKind::blend && append_blended(piece, junction.cut)) return;
-  push(std::move(piece), junction.kind != JunctionKind::smooth);
+  push(piece, junction.kind != JunctionKind::smooth);
 }
 
 /// The present place may lie so close to the old end that the machine cannot slow down for the
@@ -97,9 +113,9 @@ bool Track::append_blended(const Piece& piece, double cut) {
   rest.begin = cut;
 
   set_end_of_last(old_end - cut);
-  push(std::move(blend), false);
+  push(blend, false);
   cut_into_steps(Until::end);
-  push(std::move(rest), false);
+  push(rest, false);
   if (place_is_safe()) return true;
   pop_last_piece();
   pop_last_piece();
@@ -107,44 +123,45 @@ bool Track::append_blended(const Piece& piece, double cut) {
   return false;
 }
 
-void Track::append_span(Piece piece) {
+void Track::append_span(const Piece& piece) {
   const bool stop_before = empty() || piece.entry == Entry::standstill;
-  push_unplanned(std::move(piece), stop_before);
+  push_unplanned(piece, stop_before);
 }
 
-void Track::push(Piece piece, bool stop_before) {
-  push_unplanned(std::move(piece), stop_before);
-  plan();
+void Track::push(const Piece& piece, bool stop_before) {
+  push_unplanned(piece, stop_before);
   extend();
+  plan();
 }
 
-void Track::push_unplanned(Piece piece, bool stop_before) {
-  const double speed =
-      std::min(piece.kind == MoveKind::feed ? piece.feed * std::max(1.0, overrides_.feed_of(piece))
-                                            : kInfinity,
-               largest_along(tangent_of(piece.curve, piece.begin), limits_.max_velocity));
-  piece.grid = grid_length(piece.curve, piece.begin, piece.end, speed, limits_);
-  piece.stepped = piece.begin;
-  const double acceleration =
-      largest_along(tangent_of(piece.curve, piece.begin), limits_.max_acceleration);
+void Track::push_unplanned(const Piece& wanted, bool stop_before) {
+  pieces_.push_back(wanted);
+  Piece& piece = pieces_.back();
+  const Position direction = tangent_of(piece.curve, piece.begin);
+  const double feed = piece.kind == MoveKind::feed
+                          ? piece.feed * std::max(1.0, overrides_.feed_of(piece))
+                          : kInfinity;
+  const double speed = std::min(feed, largest_along(direction, limits_.max_velocity));
+  const double acceleration = largest_along(direction, limits_.max_acceleration);
   look_ahead_ = std::max(look_ahead_, speed * speed / acceleration + speed * kLookAheadTime);
 
+  piece.grid = grid_length(piece.curve, piece.begin, piece.end, speed, acceleration);
+  piece.stepped = piece.begin;
   const double count = std::max(1.0, std::ceil((piece.end - piece.begin) / piece.grid - 1e-9));
-  pieces_.push_back(std::move(piece));
-  Piece& last = pieces_.back();
-  push_step(pieces_.end() - 1, (last.end - last.begin) / count, stop_before);
-  if (count == 1.0) last.stepped = last.end;
+  push_step(pieces_.end() - 1, (piece.end - piece.begin) / count, stop_before);
+  if (count == 1.0) piece.stepped = piece.end;
 }
 
 void Track::push_step(std::uint64_t piece_index, double length, bool stop_before) {
   Piece& piece = pieces_[piece_index];
-  Step step = make_step(piece.curve, piece.stepped, length, limits_);
+  const double distance = steps_.empty() ? 0.0 : steps_.back().distance + steps_.back().length;
+  Step& step = steps_.push_back();
+  set_step(step, piece.curve, piece.stepped, length, limits_);
   step.piece = piece_index;
   step.stop_before = stop_before;
-  step.distance = steps_.empty() ? 0.0 : steps_.back().distance + steps_.back().length;
+  step.distance = distance;
   apply_feed(step, piece);
   piece.stepped += length;
-  steps_.push_back(step);
 }
 
 void Track::pop_last_piece() {
@@ -169,8 +186,8 @@ void Track::set_end_of_last(double end) {
     }
     last.stepped = steps_.back().end();
   }
-  plan();
   cut_into_steps(Until::end);
+  plan();
 }
 
 /// How much of the last curve a blend may still take: nothing of what has been driven.
@@ -193,6 +210,7 @@ void Track::stop_at_end() {
 void Track::set_overrides(const Overrides& overrides) {
   if (overrides.feed == overrides_.feed && overrides.rapid == overrides_.rapid) return;
   overrides_ = overrides;
+  ++plan_;
   for (std::uint64_t i = steps_.first(); i != steps_.end(); ++i) {
     apply_feed(steps_[i], pieces_[steps_[i].piece]);
     steps_[i].wanted_entry = -1.0;
@@ -273,10 +291,37 @@ void Track::go_back(const Place& place) {
   plan_backward(planned);
 }
 
+double Track::skip() {
+  if (empty()) return 0.0;
+  double room = sufficient() ? known_way() - look_ahead_ : kInfinity;
+  const std::uint64_t piece = steps_[place_.step].piece;
+  double time = 0.0;
+  Place place = place_;
+  while (!at_end(place) && steps_[place.step].piece == piece) {
+    const auto leg = leg_from(place, false);
+    if (!leg) break;
+    const double whole = leg->duration();
+    if (leg->length > room) {
+      if (time > 0.0) break;
+      if (whole > kSkipTime) {
+        place = inside(place, *leg, kSkipTime);
+        time = kSkipTime;
+        break;
+      }
+    }
+    place = behind(place, *leg);
+    time += whole;
+    room -= leg->length;
+  }
+  advance(place);
+  return time;
+}
+
 void Track::clear() {
   steps_.clear();
   pieces_.clear();
-  place_ = {steps_.end(), 0.0, 0.0};
+  place_ = {};
+  place_.step = steps_.end();
   furthest_ = place_;
   look_ahead_ = 0.0;
 }
@@ -297,18 +342,21 @@ Position Track::velocity_at(const Place& place) const {
 
 std::optional<Leg> Track::leg_from(const Place& place, bool braking) const {
   if (at_end(place)) return std::nullopt;
+  if (place.rest.length > 0.0 && place.plan == plan_ && !braking) return place.rest;
   return next_leg(steps_[place.step], place.done, place.speed, exit_of(place.step), braking);
 }
 
 Place Track::behind(const Place& place, const Leg& leg) const {
   const double done = place.done + leg.length;
-  if (is_end_of(steps_[place.step], done)) return {place.step + 1, 0.0, leg.end_speed};
-  return {place.step, done, leg.end_speed};
+  if (is_end_of(steps_[place.step], done)) return {place.step + 1, 0.0, leg.end_speed, {}, plan_};
+  return {place.step, done, leg.end_speed, {}, plan_};
 }
 
 Place Track::inside(const Place& place, const Leg& leg, double time) const {
   const double way = time * (leg.start_speed + 0.5 * leg.w * time);
-  return {place.step, place.done + way, std::max(0.0, leg.start_speed + leg.w * time)};
+  const double speed = std::max(0.0, leg.start_speed + leg.w * time);
+  const Leg rest{leg.w, leg.length - way, speed, leg.end_speed};
+  return {place.step, place.done + way, speed, steps_[place.step].straight ? Leg{} : rest, plan_};
 }
 
 double Track::time_to_end() const {

@@ -37,6 +37,11 @@ struct Place {
   std::uint64_t step = 0;
   double done = 0.0;
   double speed = 0.0;
+  /// On a curve, what is left of the leg that it is on; of no length between two legs. Whoever
+  /// samples a leg in parts goes along it to its end, so that the motion does not depend on the
+  /// sampling. On a straight line it does not anyway.
+  Leg rest;
+  std::uint32_t plan = 0;  ///< number of the overrides for which the leg was chosen
 };
 
 /// Most steps planned ahead of the machine, and most that a caller may leave unforgotten behind it.
@@ -53,13 +58,16 @@ class Track {
   [[nodiscard]] bool empty() const { return at_end(place_); }
   /// True when a whole braking distance and more is planned, or memory is used up.
   [[nodiscard]] bool sufficient() const;
-  /// Cuts what waits of the last curve into steps until sufficient(); true when none is left.
+  /// True when there is some more, so that it pays to come back later with many curves at once.
+  [[nodiscard]] bool well_stocked() const;
+  /// Cuts what waits of the last curve into steps until well_stocked(); true when none is left.
+  /// They are planned with the next call of plan().
   bool extend();
   /// Appends a curve that begins where the last one ends. Only after extend() returned true.
-  void append(Piece piece);
+  void append(const Piece& piece);
   /// Appends a span of a smoothed path, which goes on smoothly from the span before it or begins
   /// where the machine stands. Planned only with the next call of plan(), for many at once.
-  void append_span(Piece piece);
+  void append_span(const Piece& piece);
   void plan() { plan_backward(steps_.end()); }
   /// The machine shall stand still at the present end, whatever comes.
   void stop_at_end();
@@ -76,6 +84,9 @@ class Track {
   void go_back(const Place& place);
   /// Whether the machine has been further along than it is.
   [[nodiscard]] bool was_further() const;
+  /// Moves on within the present piece as far as what may still be appended does not matter, and at
+  /// least for a while; the seconds that takes, 0 when it stands.
+  double skip();
   void clear();
 
   [[nodiscard]] const Step& step(std::uint64_t index) const { return steps_[index]; }
@@ -96,10 +107,10 @@ class Track {
   [[nodiscard]] double unplanned_length() const;
 
  private:
-  enum class Until : std::uint8_t { sufficient, end };
+  enum class Until : std::uint8_t { well_stocked, end };
 
-  void push(Piece piece, bool stop_before);
-  void push_unplanned(Piece piece, bool stop_before);
+  void push(const Piece& piece, bool stop_before);
+  void push_unplanned(const Piece& piece, bool stop_before);
   void cut_into_steps(Until until);
   void pop_last_piece();
   void push_step(std::uint64_t piece_index, double length, bool stop_before);
@@ -111,9 +122,12 @@ class Track {
   [[nodiscard]] double entry_limit(std::uint64_t index, double Step::*limit) const;
   [[nodiscard]] Exit exit_of(std::uint64_t index) const;
   [[nodiscard]] bool place_is_safe() const;
+  [[nodiscard]] double known_way() const;
+  [[nodiscard]] bool steps_are_many() const;
 
   AxisLimits limits_;
   Overrides overrides_;
+  std::uint32_t plan_ = 0;  // counts the changes of the overrides
   Ring<Piece> pieces_;
   Ring<Step> steps_;
   Place place_;

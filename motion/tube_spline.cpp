@@ -38,20 +38,26 @@ constexpr std::size_t kFirst = 2;
 
 double square(double value) { return value * value; }
 
+std::size_t lane_of(Axis axis) { return index_of(axis) % 4; }
+std::size_t group_of(Axis axis) { return index_of(axis) / 4; }
+
 }  // namespace
 
 TubeSpline::TubeSpline(double least_stiffness) : least_stiffness_(least_stiffness) {}
+
+std::array<std::vector<Lanes>*, 4> TubeSpline::kept(Group& group) {
+  return {&group.point, &group.control, &group.middle, &group.middle_tangent};
+}
 
 // --- the run -------------------------------------------------------------------------------------
 
 void TubeSpline::clear() {
   nodes_.clear();
-  for (const Axis axis : kAllAxes) {
-    for (AxisArray<Row>* rows : {&point_, &control_, &middle_, &middle_tangent_}) {
-      (*rows)[axis].clear();
-    }
+  for (Group& group : groups_) {
+    for (auto* lanes : kept(group)) lanes->clear();
+    group.moves = false;
   }
-  axes_.clear();
+  moves_ = {};
   ready_.clear();
   taken_ = 0;
   pending_ = 0;
@@ -67,24 +73,44 @@ void TubeSpline::begin(const Position& start, double tolerance) {
   completed_ = kFirst - 1;
 }
 
+Lanes TubeSpline::lanes_of(const Position& position, std::size_t group) {
+  Lanes lanes;
+  for (const Axis axis : kAllAxes) {
+    if (group_of(axis) == group) lanes.lane[lane_of(axis)] = position[axis];
+  }
+  return lanes;
+}
+
+Position TubeSpline::position_of(std::vector<Lanes> Group::*lanes, std::size_t i) const {
+  Position position;
+  for (const Axis axis : kAllAxes) {
+    position[axis] = (groups_[group_of(axis)].*lanes)[i].lane[lane_of(axis)];
+  }
+  return position;
+}
+
 void TubeSpline::push_node(const Position& point, double tolerance) {
   nodes_.push_back({.tolerance = tolerance});
-  for (const Axis axis : kAllAxes) {
-    point_[axis].push_back(point[axis]);
-    control_[axis].push_back(point[axis]);
-    middle_[axis].push_back(0.0);
-    middle_tangent_[axis].push_back(0.0);
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    groups_[g].point.push_back(lanes_of(point, g));
+    groups_[g].control.push_back(groups_[g].point.back());
+    groups_[g].middle.emplace_back();
+    groups_[g].middle_tangent.emplace_back();
   }
 }
 
 void TubeSpline::add(const TubeSpan& span) {
   const std::size_t last = nodes_.size() - 1;
   nodes_[last].step = span.length;
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    Group& group = groups_[g];
+    group.middle[last] = lanes_of(span.middle, g);
+    group.middle_tangent[last] = lanes_of(span.middle_tangent, g);
+  }
   for (const Axis axis : kAllAxes) {
-    middle_[axis][last] = span.middle[axis];
-    middle_tangent_[axis][last] = span.middle_tangent[axis];
-    const bool moves = span.end[axis] != point_[axis][last] || span.middle_tangent[axis] != 0.0;
-    if (moves && std::find(axes_.begin(), axes_.end(), axis) == axes_.end()) axes_.push_back(axis);
+    if (span.middle_tangent[axis] == 0.0) continue;
+    moves_[axis] = true;
+    groups_[group_of(axis)].moves = true;
   }
   push_node(span.end, span.end_tolerance);
   ++pending_;
@@ -107,13 +133,10 @@ void TubeSpline::finish() {
   solve_window(last, last, true);
 }
 
-TubeSpline::Ready TubeSpline::take() {
-  Ready result = std::move(ready_[taken_++]);
-  if (taken_ == ready_.size()) {
-    ready_.clear();
-    taken_ = 0;
-  }
-  return result;
+void TubeSpline::pop() {
+  if (++taken_ < ready_.size()) return;
+  ready_.clear();
+  taken_ = 0;
 }
 
 std::size_t TubeSpline::first_row() const { return std::max(kFirst, free_ - 1); }
@@ -154,9 +177,8 @@ void TubeSpline::place_control(std::size_t i) {
   }
   const std::size_t from = beyond_end || (offset < 0.0 && anchor > kFirst) ? anchor - 1 : anchor;
   const double part = offset / nodes_[from].step;
-  for (const Axis axis : axes_) {
-    const Row& point = point_[axis];
-    control_[axis][i] = point[anchor] + part * (point[from + 1] - point[from]);
+  for (Group& group : groups_) {
+    group.control[i] = group.point[anchor] + part * (group.point[from + 1] - group.point[from]);
   }
 }
 
@@ -207,16 +229,17 @@ bool TubeSpline::relax(std::size_t last_node, std::size_t last_checked) {
   }
 }
 
-double TubeSpline::position_at(std::size_t axis, std::size_t i) const {
-  const Stencil& s = nodes_[i].position;
-  const double* c = control_.values[axis].data() + i;
-  return s.before * c[-1] + s.at * c[0] + s.behind * c[1];
-}
-
-double TubeSpline::bend_at(std::size_t axis, std::size_t i) const {
-  const Stencil& s = nodes_[i].bend;
-  const double* c = control_.values[axis].data() + i;
-  return s.before * c[-1] + s.at * c[0] + s.behind * c[1];
+/// Position and second derivative at the nodes.
+void TubeSpline::evaluate(Group& group, std::size_t last_node) const {
+  group.q.resize(nodes_.size());
+  group.q2.resize(nodes_.size());
+  const Lanes* c = group.control.data();
+  for (std::size_t i = emitted_; i <= last_node; ++i) {
+    const Stencil& e = nodes_[i].position;
+    const Stencil& d = nodes_[i].bend;
+    group.q[i] = e.before * c[i - 1] + e.at * c[i] + e.behind * c[i + 1];
+    group.q2[i] = d.before * c[i - 1] + d.at * c[i] + d.behind * c[i + 1];
+  }
 }
 
 /// Distances from the program at the nodes, and half-way between them: the middle of a span counts
@@ -227,26 +250,19 @@ void TubeSpline::measure(std::size_t last_node) {
   Row& at_node = diagonal_;
   Row& across = beside_;
   Row& along = beyond_;
-  at_node.assign(size, 0.0);
-  across.assign(size, 0.0);
-  along.assign(size, 0.0);
-  for (const Axis axis : axes_) {
-    const std::size_t a = index_of(axis);
-    Row& q = q_[axis];
-    Row& q2 = q2_[axis];
-    q.resize(size);
-    q2.resize(size);
+  for (Row* row : {&at_node, &across, &along}) row->assign(size, 0.0);
+  for (Group& group : groups_) {
+    if (!group.moves) continue;
+    evaluate(group, last_node);
     for (std::size_t i = begin; i <= last_node; ++i) {
-      q[i] = position_at(a, i);
-      q2[i] = bend_at(a, i);
-      at_node[i] += square(q[i] - point_[axis][i]);
+      at_node[i] += square(group.q[i] - group.point[i]);
     }
     for (std::size_t i = begin; i < last_node; ++i) {
       const double h = nodes_[i].step;
-      const double off =
-          0.5 * (q[i] + q[i + 1]) - h * h / 16.0 * (q2[i] + q2[i + 1]) - middle_[axis][i];
+      const Lanes off = 0.5 * (group.q[i] + group.q[i + 1]) -
+                        (h * h / 16.0) * (group.q2[i] + group.q2[i + 1]) - group.middle[i];
       across[i] += square(off);
-      along[i] += off * middle_tangent_[axis][i];
+      along[i] += dot(off, group.middle_tangent[i]);
     }
   }
   double before = 0.0;
@@ -277,28 +293,18 @@ void TubeSpline::stiffen(std::size_t last_node, bool offenders_only) {
 /// rounding on long straight lines with a free end.
 void TubeSpline::correct(std::size_t last_node) {
   assemble(last_node);
-  const std::size_t end = last_node + 2;
-  factorise(free_, end);
-  for (const Axis axis : axes_) {
-    Row& x = gradient_[axis];
-    for (std::size_t j = free_; j < end; ++j) {
-      if (j > free_) x[j] -= beside_[j - 1] * x[j - 1];
-      if (j > free_ + 1) x[j] -= beyond_[j - 2] * x[j - 2];
-    }
-    for (std::size_t j = end; j-- > free_;) {
-      x[j] *= diagonal_[j];
-      if (j + 1 < end) x[j] -= beside_[j] * x[j + 1];
-      if (j + 2 < end) x[j] -= beyond_[j] * x[j + 2];
-      control_[axis][j] += x[j];
-    }
+  factorise(free_, last_node + 2);
+  for (Group& group : groups_) {
+    if (!group.moves) continue;
+    descend(group, last_node);
+    solve(group, last_node);
   }
 }
 
-/// The matrix DᵀWD + EᵀΛE and the negative gradient, over all control points that the rows touch.
+/// The matrix DᵀWD + EᵀΛE over all control points that the rows touch.
 void TubeSpline::assemble(std::size_t last_node) {
   const std::size_t size = nodes_.size();
   for (Row* row : {&diagonal_, &beside_, &beyond_}) row->assign(size, 0.0);
-  for (const Axis axis : axes_) gradient_[axis].assign(size, 0.0);
   for (std::size_t i = first_row(); i <= last_node; ++i) {
     const Node& node = nodes_[i];
     const Stencil& e = node.position;
@@ -311,14 +317,43 @@ void TubeSpline::assemble(std::size_t last_node) {
     beside_[i - 1] += w * d.before * d.at + l * e.before * e.at;
     beside_[i] += w * d.at * d.behind + l * e.at * e.behind;
     beyond_[i - 1] += w * d.before * d.behind + l * e.before * e.behind;
-    for (const Axis axis : axes_) {
-      const double bend = w * q2_[axis][i];
-      const double off = l * (q_[axis][i] - point_[axis][i]);
-      double* gradient = gradient_[axis].data() + i;
-      gradient[-1] -= d.before * bend + e.before * off;
-      gradient[0] -= d.at * bend + e.at * off;
-      gradient[1] -= d.behind * bend + e.behind * off;
-    }
+  }
+}
+
+/// The negative gradient.
+void TubeSpline::descend(Group& group, std::size_t last_node) const {
+  group.gradient.assign(nodes_.size(), Lanes{});
+  Lanes* gradient = group.gradient.data();
+  for (std::size_t i = first_row(); i <= last_node; ++i) {
+    const Node& node = nodes_[i];
+    const Lanes bend = node.weight * group.q2[i];
+    const Lanes off = node.stiffness * (group.q[i] - group.point[i]);
+    gradient[i - 1] = gradient[i - 1] - node.bend.before * bend - node.position.before * off;
+    gradient[i] = gradient[i] - node.bend.at * bend - node.position.at * off;
+    gradient[i + 1] = gradient[i + 1] - node.bend.behind * bend - node.position.behind * off;
+  }
+}
+
+/// Forward and backward through the factors; the control points move by what comes out.
+void TubeSpline::solve(Group& group, std::size_t last_node) const {
+  Lanes* x = group.gradient.data();
+  const std::size_t end = last_node + 2;
+  Lanes x1;
+  Lanes x2;
+  for (std::size_t j = free_; j < end; ++j) {
+    const double l1 = j > free_ ? beside_[j - 1] : 0.0;
+    const double l2 = j > free_ + 1 ? beyond_[j - 2] : 0.0;
+    const Lanes z = x[j] - l1 * x1 - l2 * x2;
+    x[j] = diagonal_[j] * z;
+    x2 = x1;
+    x1 = z;
+  }
+  x1 = x2 = {};
+  for (std::size_t j = end; j-- > free_;) {
+    const Lanes z = x[j] - beside_[j] * x1 - beyond_[j] * x2;
+    group.control[j] = group.control[j] + z;
+    x2 = x1;
+    x1 = z;
   }
 }
 
@@ -343,43 +378,57 @@ void TubeSpline::factorise(std::size_t begin, std::size_t end) {
 /// The outermost control points move so that the run's ends are met exactly.
 void TubeSpline::meet_start() {
   const Stencil& e = nodes_[kFirst].position;
-  for (const Axis axis : axes_) {
-    Row& c = control_[axis];
-    c[kFirst - 1] = (point_[axis][kFirst] - e.at * c[kFirst] - e.behind * c[kFirst + 1]) / e.before;
+  for (Group& group : groups_) {
+    auto& c = group.control;
+    c[kFirst - 1] =
+        (1.0 / e.before) * (group.point[kFirst] - e.at * c[kFirst] - e.behind * c[kFirst + 1]);
   }
 }
 
 void TubeSpline::meet_end(std::size_t last_node) {
   const Stencil& e = nodes_[last_node].position;
-  for (const Axis axis : axes_) {
-    Row& c = control_[axis];
-    c[last_node + 1] =
-        (point_[axis][last_node] - e.before * c[last_node - 1] - e.at * c[last_node]) / e.behind;
+  for (Group& group : groups_) {
+    auto& c = group.control;
+    c[last_node + 1] = (1.0 / e.behind) *
+                       (group.point[last_node] - e.before * c[last_node - 1] - e.at * c[last_node]);
   }
 }
 
-void TubeSpline::emit(std::size_t last_node, bool stop) {
-  for (; emitted_ < last_node; ++emitted_) {
-    const std::size_t i = emitted_;
-    const double h = nodes_[i].step;
-    Position start;
-    Position c1;
-    Position c2;
-    Position c3;
-    Position end;
-    for (const Axis axis : kAllAxes) start[axis] = end[axis] = point_[axis][i];
-    for (const Axis axis : axes_) {
-      const std::size_t a = index_of(axis);
-      const double q2 = bend_at(a, i);
-      const double next_q2 = bend_at(a, i + 1);
-      start[axis] = nodes_[i].fixed ? point_[axis][i] : position_at(a, i);
-      end[axis] = nodes_[i + 1].fixed ? point_[axis][i + 1] : position_at(a, i + 1);
-      c1[axis] = (end[axis] - start[axis]) / h - h * (2.0 * q2 + next_q2) / 6.0;
-      c2[axis] = 0.5 * q2;
-      c3[axis] = (next_q2 - q2) / (6.0 * h);
+/// A stencil applied to the control points around node i; for axes that stand, what `standing`
+/// says.
+Position TubeSpline::combine(const Stencil& stencil, std::size_t i,
+                             const Position& standing) const {
+  std::array<Lanes, kGroups> sums;
+  for (std::size_t g = 0; g < kGroups; ++g) {
+    const Lanes* c = groups_[g].control.data() + i;
+    if (groups_[g].moves) {
+      sums[g] = stencil.before * c[-1] + stencil.at * c[0] + stencil.behind * c[1];
     }
-    ready_.push_back({Cubic(start, c1, c2, c3, end, h), stop && i + 1 == last_node});
+  }
+  Position result = standing;
+  for (const Axis axis : kAllAxes) {
+    if (moves_[axis]) result[axis] = sums[group_of(axis)].lane[lane_of(axis)];
+  }
+  return result;
+}
+
+void TubeSpline::emit(std::size_t last_node, bool stop) {
+  const auto place = [this](std::size_t i) {
+    const Position programmed = position_of(&Group::point, i);
+    return nodes_[i].fixed ? programmed : combine(nodes_[i].position, i, programmed);
+  };
+  Position start = place(emitted_);
+  Position q2 = combine(nodes_[emitted_].bend, emitted_, {});
+  for (; emitted_ < last_node; ++emitted_) {
+    const double h = nodes_[emitted_].step;
+    const Position end = place(emitted_ + 1);
+    const Position next_q2 = combine(nodes_[emitted_ + 1].bend, emitted_ + 1, {});
+    const Position c1 = (end - start) * (1.0 / h) - (h / 6.0) * (2.0 * q2 + next_q2);
+    const Position c3 = (next_q2 - q2) * (1.0 / (6.0 * h));
+    ready_.push_back({Cubic(start, c1, 0.5 * q2, c3, end, h), stop && emitted_ + 1 == last_node});
     --pending_;
+    start = end;
+    q2 = next_q2;
   }
 }
 
@@ -388,10 +437,8 @@ void TubeSpline::drop_before(std::size_t i) {
     rows.erase(rows.begin(), rows.begin() + static_cast<std::ptrdiff_t>(i));
   };
   drop(nodes_);
-  for (const Axis axis : kAllAxes) {
-    for (AxisArray<Row>* rows : {&point_, &control_, &middle_, &middle_tangent_}) {
-      drop((*rows)[axis]);
-    }
+  for (Group& group : groups_) {
+    for (auto* lanes : kept(group)) drop(*lanes);
   }
   free_ -= i;
   emitted_ -= i;

@@ -22,6 +22,7 @@
 
 #include "config/axis.h"
 #include "motion/curve.h"
+#include "motion/lanes.h"
 
 namespace cnc::motion {
 
@@ -53,7 +54,8 @@ class TubeSpline {
     bool stop_at_end = false;  ///< the run had to be broken here, or ends
   };
   [[nodiscard]] std::size_t ready() const { return ready_.size() - taken_; }
-  [[nodiscard]] Ready take();
+  [[nodiscard]] const Ready& front() const { return ready_[taken_]; }
+  void pop();
 
   /// Drops everything.
   void clear();
@@ -79,12 +81,25 @@ class TubeSpline {
     bool fixed = false;      ///< an end of the run
   };
   using Row = std::vector<double>;
+  /// X Y Z A, or B C: what the solver knows of the axes at each node.
+  struct Group {
+    std::vector<Lanes> point;
+    std::vector<Lanes> control;
+    std::vector<Lanes> middle;          // of the span behind each node
+    std::vector<Lanes> middle_tangent;  // likewise
+    std::vector<Lanes> q;               // scratch of the solver
+    std::vector<Lanes> q2;
+    std::vector<Lanes> gradient;
+    bool moves = false;
+  };
+  static constexpr std::size_t kGroups = 2;
+  /// What outlives a window.
+  [[nodiscard]] static std::array<std::vector<Lanes>*, 4> kept(Group& group);
 
   void push_node(const Position& point, double tolerance);
   void complete(std::size_t last);
   void set_stencils(std::size_t i);
   void place_control(std::size_t i);
-  [[nodiscard]] Position program_between(std::size_t i, double offset) const;
 
   void solve_window(std::size_t last_node, std::size_t commit, bool run_ends);
   [[nodiscard]] bool relax(std::size_t last_node, std::size_t last_checked);
@@ -98,27 +113,26 @@ class TubeSpline {
   void emit(std::size_t last_node, bool stop);
   void drop_before(std::size_t i);
   [[nodiscard]] std::size_t first_row() const;
-  [[nodiscard]] double position_at(std::size_t axis, std::size_t i) const;
-  [[nodiscard]] double bend_at(std::size_t axis, std::size_t i) const;
+  void evaluate(Group& group, std::size_t last_node) const;
+  void descend(Group& group, std::size_t last_node) const;
+  void solve(Group& group, std::size_t last_node) const;
+  [[nodiscard]] static Lanes lanes_of(const Position& position, std::size_t group);
+  [[nodiscard]] Position position_of(std::vector<Lanes> Group::*lanes, std::size_t i) const;
+  [[nodiscard]] Position combine(const Stencil& stencil, std::size_t i,
+                                 const Position& standing) const;
 
   double least_stiffness_;
   std::vector<Node> nodes_;  // two ghosts before the run's first node
-  AxisArray<Row> point_;
-  AxisArray<Row> control_;
-  AxisArray<Row> middle_;          // of the span behind each node
-  AxisArray<Row> middle_tangent_;  // likewise
-  std::vector<Axis> axes_;         // those that move
-  std::size_t free_ = 0;           // first control point that may still change
-  std::size_t emitted_ = 0;        // node up to which spans have come out
-  std::size_t completed_ = 0;      // nodes before this one have stencils and control points
+  std::array<Group, kGroups> groups_;
+  AxisArray<bool> moves_{};
+  std::size_t free_ = 0;       // first control point that may still change
+  std::size_t emitted_ = 0;    // node up to which spans have come out
+  std::size_t completed_ = 0;  // nodes before this one have stencils and control points
   std::size_t pending_ = 0;
   // scratch of the solver
   Row diagonal_;
   Row beside_;
   Row beyond_;
-  AxisArray<Row> gradient_;
-  AxisArray<Row> q_;
-  AxisArray<Row> q2_;
   std::vector<Ready> ready_;
   std::size_t taken_ = 0;
 };

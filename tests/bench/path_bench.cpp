@@ -6,11 +6,12 @@
 //   feed=100        one feed for all moves, mm/s; 0: the program's own
 //   p=0.02          path tolerance (G64 P), mm; 0: exact path
 //   judge=1         also measure limits and distances
+//   times=1         plan each program so many times over, for profiles
 //
 // Tools, spindle, dwells and the like take no time here: what is measured is motion.
-#include <chrono>
 #include <cmath>
 #include <cstdlib>
+#include <ctime>
 #include <fmt/core.h>
 #include <map>
 #include <string>
@@ -26,8 +27,8 @@ namespace {
 using namespace cnc;
 
 struct Options {
-  std::map<std::string, double, std::less<>> values{
-      {"v", 100.0}, {"a", 500.0}, {"feed", 100.0}, {"p", 0.02}, {"judge", 1.0}};
+  std::map<std::string, double, std::less<>> values{{"v", 100.0}, {"a", 500.0},   {"feed", 100.0},
+                                                    {"p", 0.02},  {"judge", 1.0}, {"times", 1.0}};
   double operator[](std::string_view name) const { return values.find(name)->second; }
 };
 
@@ -85,14 +86,11 @@ std::vector<Move> read_program(const std::string& file) {
   }
 }
 
-/// Feeds the moves to a planner and hands every setpoint to `sink`.
-template <typename Sink>
-void drive(const std::vector<Move>& moves, const motion::AxisLimits& limits, const Options& options,
-           Sink sink) {
-  motion::Planner planner({limits, 0.005, 1.0}, {});
-  const auto draw = [&] {
-    if (const auto setpoint = planner.next()) sink(*setpoint);
-  };
+/// Feeds the moves to a planner, which `draw` empties.
+template <typename Draw>
+void drive(motion::Planner& planner, const std::vector<Move>& moves, const Options& options,
+           Draw draw_from) {
+  const auto draw = [&] { draw_from(planner); };
   for (const Move& move : moves) {
     motion::MoveOptions how;
     how.kind = move.kind;
@@ -135,7 +133,11 @@ void judge(const std::string& file, const std::vector<Move>& moves,
   motion::test::Polyline driven(cell);
   driven.add({});
   motion::test::LimitJudge judge{.limits = limits, .position = {}, .velocity = {}};
-  drive(moves, limits, options, [&](const motion::Setpoint& setpoint) {
+  motion::Planner whole({.limits = limits}, {});
+  drive(whole, moves, options, [&](motion::Planner& planner) {
+    const auto drawn = planner.next();
+    if (!drawn) return;
+    const motion::Setpoint& setpoint = *drawn;
     constexpr int kParts = 2;
     for (int i = 1; i <= kParts; ++i) {
       Position p;
@@ -159,12 +161,25 @@ void measure(const std::string& path, const Options& options) {
   const std::vector<Move> moves = read_program(path);
   const std::string file = path.substr(path.rfind('/') + 1);
   const motion::AxisLimits limits{Position::filled(options["v"]), Position::filled(options["a"])};
-  double time = 0.0;
-  const auto begin = std::chrono::steady_clock::now();
-  drive(moves, limits, options, [&](const motion::Setpoint& s) { time += s.duration; });
-  const std::chrono::duration<double> wall = std::chrono::steady_clock::now() - begin;
-  fmt::print("{:<28} {:>9.3f} s, {} moves, {:.0f} moves/s\n", file, time, moves.size(),
-             static_cast<double>(moves.size()) / wall.count());
+  const auto rate = [&](auto draw) {
+    double time = 0.0;
+    motion::Planner whole({.limits = limits}, {});
+    const std::clock_t begin = std::clock();
+    drive(whole, moves, options, [&](motion::Planner& planner) {
+      if (const auto part = draw(planner)) time += part->duration;
+    });
+    const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+    return std::pair(time, static_cast<double>(moves.size()) / seconds);
+  };
+  for (double i = 1.0; i < options["times"]; ++i) {
+    (void)rate([](motion::Planner& planner) { return planner.skip(); });
+  }
+  const auto [predicted, plan_rate] = rate([](motion::Planner& planner) { return planner.skip(); });
+  const auto [time, rate_all] = rate([](motion::Planner& planner) { return planner.next(); });
+  fmt::print(
+      "{:<28} {:>9.3f} s, predicted {:>9.3f} s; {} moves, planned {:>7.0f}/s, with setpoints "
+      "{:>7.0f}/s\n",
+      file, time, predicted, moves.size(), plan_rate, rate_all);
   if (options["judge"] != 0.0) judge(file, moves, limits, options);
 }
 
