@@ -30,8 +30,8 @@ JobEvent event_of(const interp::Command& command) {
 }  // namespace
 
 JobRunner::JobRunner(const config::MachineConfig& config, interp::Interpreter& interpreter,
-                     motion::Planner& planner)
-    : config_(config), interpreter_(interpreter), planner_(planner) {}
+                     motion::Planner& planner, Detail detail)
+    : config_(config), interpreter_(interpreter), planner_(planner), detail_(detail) {}
 
 void JobRunner::start(std::shared_ptr<const interp::Program> program, const Position& position,
                       SpindleDirection spindle, interp::RunMode mode) {
@@ -65,7 +65,7 @@ void JobRunner::abandon() {
 JobRunner::Next JobRunner::next() {
   if (!running_) return error_ ? Next::failed : Next::ended;
   fill_planner();
-  if (!drawn_) drawn_ = planner_.next(more_to_come_ ? motion::Supply::coming : motion::Supply::ended);
+  if (!drawn_) drawn_ = draw();
 
   if (note_is_due(drawn_.has_value(), drawn_ ? drawn_->tag.id : 0)) {
     event_ = std::move(notes_.front().event);
@@ -89,6 +89,17 @@ JobRunner::Next JobRunner::next() {
   if (more_to_come_) return Next::busy;
   running_ = false;
   return error_ ? Next::failed : Next::ended;
+}
+
+std::optional<motion::Setpoint> JobRunner::draw() {
+  const auto supply = more_to_come_ ? motion::Supply::coming : motion::Supply::ended;
+  if (detail_ == Detail::whole) return planner_.next(supply);
+  const auto stretch = planner_.skip(supply);
+  if (!stretch) return std::nullopt;
+  motion::Setpoint setpoint;
+  setpoint.duration = stretch->duration;
+  setpoint.tag = stretch->tag;
+  return setpoint;
 }
 
 void JobRunner::action_done(const std::optional<interp::Answer>& answer) {

@@ -38,9 +38,13 @@ class JobRunner {
     failed,    ///< error(); everything before the faulty line has been handed out
   };
 
-  /// All references outlive the runner. `start` is where the machine stands.
+  /// Whether setpoints are whole, or have their duration and their tag only: whoever predicts times
+  /// needs no more, and gets them along the same plan much faster.
+  enum class Detail : std::uint8_t { whole, times };
+
+  /// All references outlive the runner.
   JobRunner(const config::MachineConfig& config, interp::Interpreter& interpreter,
-            motion::Planner& planner);
+            motion::Planner& planner, Detail detail = Detail::whole);
 
   /// Starts a program; the machine stands at `position`, its spindle turns as `spindle` says.
   void start(std::shared_ptr<const interp::Program> program, const Position& position,
@@ -70,6 +74,7 @@ class JobRunner {
 
  private:
   void fill_planner();
+  [[nodiscard]] std::optional<motion::Setpoint> draw();
   void take(const interp::Command& command);
   void take_dwell(double seconds);
   [[nodiscard]] bool is_motion(const interp::CommandBody& body) const;
@@ -118,6 +123,7 @@ class JobRunner {
   double dwell_left_ = 0.0;  ///< s; G4, or a spindle that runs up
   interp::SpindleDirection spindle_ = interp::SpindleDirection::off;
   bool more_to_come_ = false;  // the planner is not full, but the rest takes another call
+  Detail detail_;
   std::optional<motion::Setpoint> drawn_;  ///< drawn from the planner, a note goes first
   motion::Setpoint setpoint_;
   JobEvent event_;

@@ -31,7 +31,7 @@ std::optional<Prediction> predict(const PredictionInput& input, std::stop_token 
   interp::Interpreter interpreter(interpreter_settings(input.config, input.macros), parameters,
                                   tools);
   motion::Planner planner(planner_settings(input.config), input.start);
-  JobRunner runner(input.config, interpreter, planner);
+  JobRunner runner(input.config, interpreter, planner, JobRunner::Detail::times);
   runner.start(input.program, input.start, interp::SpindleDirection::off, interp::RunMode::render);
 
   Prediction prediction;

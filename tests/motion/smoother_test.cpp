@@ -192,6 +192,40 @@ TEST_CASE("While more is coming the smoothed path stays open", "[MOT-1]") {
   CHECK(time == Approx(2.0 * std::sqrt(2.0 / 500.0)).epsilon(1e-2));
 }
 
+TEST_CASE("A prediction takes exactly as long as the setpoints", "[JOB-5][MOT-1][property]") {
+  const auto seed = static_cast<std::uint32_t>(GENERATE(range(1, 31)));
+  CAPTURE(seed);
+  Dice dice(seed);
+  Planner sampled(reference_settings(), {});
+  Planner predicted(reference_settings(), {});
+  const double p = dice.chance(0.3) ? 0.0 : dice.scale(0.005, 0.2);
+  double setpoints = 0.0;
+  double stretches = 0.0;
+  const auto draw = [&] {
+    while (sampled.full()) setpoints += sampled.next().value_or(Setpoint{}).duration;
+    while (predicted.full()) stretches += predicted.skip().value_or(Planner::Stretch{}).duration;
+  };
+  for (int i = 0; i < 400; ++i) {
+    Position end = sampled.queue_end();
+    MoveOptions options = dice.chance(0.05) ? rapid() : smooth(dice.scale(5.0, 100.0), p);
+    options.simplify = dice.chance(0.5) ? 0.002 : 0.0;
+    if (dice.chance(0.2)) {
+      const ArcShape arc = random_arc(dice, end, 5.0);
+      REQUIRE(sampled.add_arc(arc, options));
+      REQUIRE(predicted.add_arc(arc, options));
+    } else {
+      for (const Axis axis : kLinearAxes) end[axis] += dice.between(-1.0, 1.0);
+      REQUIRE(sampled.add_line(end, options));
+      REQUIRE(predicted.add_line(end, options));
+    }
+    draw();
+  }
+  while (!sampled.idle()) setpoints += sampled.next().value_or(Setpoint{}).duration;
+  while (!predicted.idle()) stretches += predicted.skip().value_or(Planner::Stretch{}).duration;
+  CHECK(stretches == Approx(setpoints).epsilon(1e-7));
+  CHECK(predicted.position() == sampled.position());
+}
+
 TEST_CASE("No random program leaves the tube or the limits", "[MOT-1][MOT-2][property]") {
   const auto seed = static_cast<std::uint32_t>(GENERATE(range(1, 31)));
   CAPTURE(seed);

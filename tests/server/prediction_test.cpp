@@ -2,6 +2,8 @@
 #include "server/job/prediction.h"
 
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <fmt/core.h>
 
 #include "tests/server/rig.h"
 
@@ -61,6 +63,28 @@ TEST_CASE("The prediction of an example is the time of its run", "[JOB-5]") {
   run_with_prompts(rig);
   CHECK(rig.shown()->job.ended_well);
   CHECK(time > 5.0);
+  CHECK(time ==
+        Approx(prediction.time()).margin(rig.machine.config().trajectory.interpolation_time));
+}
+
+TEST_CASE("The prediction of a smoothed path is the time of its run to the tick",
+          "[JOB-5][MOT-2]") {
+  std::string text = "G64 P0.02 Q0.001\nG0 X10 Y10 Z-1\nF3000\n";
+  for (int i = 1; i <= 400; ++i) {
+    text += fmt::format("G1 X{:.3f} Y{:.3f} Z{:.3f}\n", 10.0 + 0.2 * i,
+                        12.0 + 3.0 * std::sin(0.11 * i), -1.0 - 0.8 * std::cos(0.37 * i));
+    if (i % 100 == 0) text += fmt::format("G2 X{:.3f} Y12 I5 J0\nG4 P0.1\n", 20.0 + 0.2 * i);
+  }
+  const auto program = interp::Program::from_text(text, "smooth.nc");
+  REQUIRE(program);
+  const Prediction prediction = prediction_of(machine_for_examples(), *program);
+  ReadyRig rig(machine_for_examples());
+  double time = 0.0;
+  rig.machine.set_setpoint_listener(
+      [&](const motion::Setpoint& setpoint) { time += setpoint.duration; });
+  REQUIRE(rig.machine.load(*program, "smooth.nc"));
+  REQUIRE(rig.machine.run());
+  run_with_prompts(rig);
   CHECK(time ==
         Approx(prediction.time()).margin(rig.machine.config().trajectory.interpolation_time));
 }
