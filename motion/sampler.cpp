@@ -10,9 +10,9 @@ namespace cnc::motion {
 namespace {
 
 /// Acceleration of a cubic above its limit that is rounding: a part of the limit, and the
-/// positions' own last digits (1e-10 mm) seen over the square of the duration.
+/// positions' own last digits seen over the square of the duration.
 constexpr double kRelativeRounding = 1e-7;
-constexpr double kPositionRounding = 1e-10;
+constexpr double kPositionRounding = 4e-15;  // of a coordinate
 
 /// Longest setpoint on a curve so that its cubic differs by no more than the tolerance in position
 /// (p h⁴/384, with the fourth derivative p) and by no more than the reserve in acceleration
@@ -101,8 +101,9 @@ class Draft {
   /// Whether one cubic to the end of `longer` keeps the axes' limits and meets the planned motion
   /// where the legs collected so far end.
   [[nodiscard]] bool keeps_limits(const Setpoint& longer) const {
-    const double noise = 6.0 * kPositionRounding / (longer.duration * longer.duration);
+    const double seen = 6.0 * kPositionRounding / (longer.duration * longer.duration);
     for (const Axis axis : kAllAxes) {
+      const double noise = seen * (1.0 + std::abs(longer.position[axis]));
       const AxisCubic cubic = cubic_of(axis, start_position_, start_velocity_, longer);
       const double allowed =
           track_.limits().max_acceleration[axis] * (1.0 + kRelativeRounding) + noise;

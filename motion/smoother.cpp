@@ -248,7 +248,7 @@ void Smoother::collect() {
     piece.begin = piece.stepped = 0.0;
     piece.end = span.curve.length();
     piece.stop_at_end = span.stop_at_end;
-    piece.entry = std::exchange(next_entry_, Entry::smooth);
+    piece.entry = std::exchange(next_entry_, span.stop_at_end ? Entry::standstill : Entry::smooth);
     if (--span_count_.front() == 0) {
       span_count_.pop_front();
       sources_.pop_front();

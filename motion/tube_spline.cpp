@@ -1,7 +1,6 @@
 #include "motion/tube_spline.h"
 
 #include <algorithm>
-#include <cassert>
 #include <cmath>
 #include <utility>
 
@@ -65,8 +64,16 @@ void TubeSpline::clear() {
 
 void TubeSpline::begin(const Position& start, double tolerance) {
   clear();
-  for (std::size_t i = 0; i < kFirst; ++i) push_node(start, tolerance);
-  push_node(start, tolerance);
+  this->start(start, tolerance);
+}
+
+/// What came of an earlier part of the run stays ready.
+void TubeSpline::start(const Position& point, double tolerance) {
+  nodes_.clear();
+  for (Group& group : groups_) {
+    for (auto* lanes : kept(group)) lanes->clear();
+  }
+  for (std::size_t i = 0; i <= kFirst; ++i) push_node(point, tolerance);
   nodes_[kFirst].fixed = true;
   free_ = kFirst - 1;
   emitted_ = kFirst;
@@ -123,14 +130,19 @@ void TubeSpline::add(const TubeSpan& span) {
 void TubeSpline::finish() {
   if (pending_ == 0) return;
   const std::size_t last = nodes_.size() - 1;
-  assert(last >= kFirst + 2);
+  close();
+  solve_window(last, last, true);
+}
+
+/// Two ghosts behind the last node, with the last two knots mirrored.
+void TubeSpline::close() {
+  const std::size_t last = nodes_.size() - 1;
+  const std::size_t before = last > kFirst + 1 ? last - 2 : last - 1;
   nodes_[last].fixed = true;
-  // Two ghosts behind the end, with the last two knots mirrored.
   nodes_[last].step = nodes_[last - 1].step;
   push_node({}, 1.0);
-  nodes_[last + 1].step = nodes_[last - 2].step;
+  nodes_[last + 1].step = nodes_[before].step;
   push_node({}, 1.0);
-  solve_window(last, last, true);
 }
 
 void TubeSpline::pop() {
@@ -202,7 +214,15 @@ void TubeSpline::complete(std::size_t last) {
 
 void TubeSpline::solve_window(std::size_t last_node, std::size_t commit, bool run_ends) {
   complete(last_node);
-  (void)relax(last_node, run_ends ? last_node : std::min(last_node, commit + kChecked - kCommit));
+  const std::size_t checked =
+      run_ends ? last_node : std::min(last_node, commit + kChecked - kCommit);
+  if (!relax(last_node, checked)) {
+    std::size_t offender = first_row();
+    while (nodes_[offender].fixed || nodes_[offender].ratio <= 1.0) ++offender;
+    // The control points around the end must still be free.
+    const std::size_t end = std::max(offender, free_ + 1);
+    if (end < last_node) return break_run(end, last_node, run_ends);
+  }
   if (emitted_ == kFirst && nodes_[kFirst].fixed) meet_start();
   if (run_ends) meet_end(last_node);
   emit(commit, run_ends);
@@ -212,6 +232,34 @@ void TubeSpline::solve_window(std::size_t last_node, std::size_t commit, bool ru
   }
   free_ = commit + 2;
   drop_before(commit - kFirst);
+}
+
+/// Where no curve stays in the tube at speed, the machine stops: the run ends at `node`, exactly,
+/// and another begins there.
+void TubeSpline::break_run(std::size_t node, std::size_t last_node, bool run_ends) {
+  const std::size_t end = run_ends ? last_node : nodes_.size() - 1;
+  std::vector<TubeSpan> rest;
+  for (std::size_t i = node; i < end; ++i) {
+    rest.push_back({.length = nodes_[i].step,
+                    .middle = position_of(&Group::middle, i),
+                    .middle_tangent = position_of(&Group::middle_tangent, i),
+                    .end = position_of(&Group::point, i + 1),
+                    .end_tolerance = nodes_[i + 1].tolerance});
+  }
+  const Position corner = position_of(&Group::point, node);
+  const double tolerance = nodes_[node].tolerance;
+  nodes_.resize(node + 1);
+  for (Group& group : groups_) {
+    for (auto* lanes : kept(group)) lanes->resize(node + 1);
+  }
+  completed_ = std::min(completed_, node - 1);
+  close();
+  solve_window(node, node, true);
+
+  pending_ -= rest.size();
+  start(corner, tolerance);
+  for (const TubeSpan& span : rest) add(span);
+  if (run_ends) finish();
 }
 
 /// Whether the path is inside the tube up to node `last_checked`.

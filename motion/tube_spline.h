@@ -45,7 +45,7 @@ class TubeSpline {
   void begin(const Position& start, double tolerance);
   /// Extends the run by a span.
   void add(const TubeSpan& span);
-  /// The run ends at its last node; everything becomes ready. A run has two spans at least.
+  /// The run ends at its last node; everything becomes ready.
   void finish();
 
   /// A span that is final; spans come out in the order in which they went in.
@@ -96,12 +96,15 @@ class TubeSpline {
   /// What outlives a window.
   [[nodiscard]] static std::array<std::vector<Lanes>*, 4> kept(Group& group);
 
+  void start(const Position& point, double tolerance);
   void push_node(const Position& point, double tolerance);
   void complete(std::size_t last);
   void set_stencils(std::size_t i);
   void place_control(std::size_t i);
 
   void solve_window(std::size_t last_node, std::size_t commit, bool run_ends);
+  void close();
+  void break_run(std::size_t node, std::size_t last_node, bool run_ends);
   [[nodiscard]] bool relax(std::size_t last_node, std::size_t last_checked);
   void measure(std::size_t last_node);
   void stiffen(std::size_t last_node, bool offenders_only);

@@ -192,6 +192,27 @@ TEST_CASE("While more is coming the smoothed path stays open", "[MOT-1]") {
   CHECK(time == Approx(2.0 * std::sqrt(2.0 / 500.0)).epsilon(1e-2));
 }
 
+TEST_CASE("Tolerances that change from move to move are kept", "[MOT-2][property]") {
+  const auto seed = static_cast<std::uint32_t>(GENERATE(range(1, 41)));
+  CAPTURE(seed);
+  Dice dice(seed);
+  const double tight = dice.scale(1e-4, 1e-2);
+  const double wide = dice.scale(0.1, 2.0);
+  const double size = dice.scale(0.01, 5.0);
+  Drive drive(reference_settings(), wide);
+  double heading = 0.0;
+  for (int i = 0; i < 200; ++i) {
+    heading += dice.between(-2.4, 2.4);
+    Position end = drive.planner().queue_end();
+    const double length = dice.scale(0.1 * size, size);
+    end[Axis::X] += length * std::cos(heading);
+    end[Axis::Y] += length * std::sin(heading);
+    drive.line(end, smooth(100.0, dice.chance(0.5) ? tight : wide));
+  }
+  drive.finish();
+  require_inside(drive, wide);
+}
+
 TEST_CASE("A prediction takes exactly as long as the setpoints", "[JOB-5][MOT-1][property]") {
   const auto seed = static_cast<std::uint32_t>(GENERATE(range(1, 31)));
   CAPTURE(seed);

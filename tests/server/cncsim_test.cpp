@@ -27,7 +27,7 @@ const std::string kExamples = std::string(CNC_SOURCE_DIR) + "/config/examples/";
 const std::string kCorpus = std::string(CNC_SOURCE_DIR) + "/../shared/corpus/gcode/";
 
 /// The part of a limit that may be exceeded: rounding of the plan and of its check.
-constexpr double kRounding = 1e-5;
+constexpr double kRounding = 1e-6;
 
 struct Axis {
   const char* name;
