@@ -21,7 +21,7 @@ constexpr double kGridTime = 0.005;
 constexpr double kLargestTurn = 2.0 * std::numbers::pi / 180.0;
 
 /// Steps of a cubic keep the limits all along, whatever their length; finer ones only gain time.
-constexpr double kCubicTurn = 5.0 * std::numbers::pi / 180.0;
+constexpr double kCubicTurn = 3.0 * std::numbers::pi / 180.0;
 constexpr double kMostCubicSteps = 4.0;
 
 /// |gain * w + offset * x| <= limit: what an axis' limit says about w and x.
