@@ -42,6 +42,11 @@ Result<void> check_options(const MoveOptions& options) {
                 fmt::format("The feed is {} mm/s; it must be above 0 and at most {:.0f}.",
                             options.feed, kLargestFeed));
   }
+  for (const double tolerance : {options.tolerance, options.simplify}) {
+    if (tolerance >= 0.0 && tolerance <= kLargestCoordinate) continue;
+    return fail(ErrorCode::move_number_unusable,
+                fmt::format("A tolerance of the path is {} mm; it must be 0 or more.", tolerance));
+  }
   if (options.laf_angle && !std::isfinite(*options.laf_angle)) {
     return fail(ErrorCode::move_number_unusable,
                 "The angle up to which corners are not stopped at is not a number.");

@@ -1,9 +1,11 @@
 #include "motion/smoother.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <numeric>
 #include <utility>
 
 namespace cnc::motion {
@@ -29,34 +31,29 @@ constexpr double kFeedBoundShare = 0.1;
 /// That is where the centripetal acceleration at the feed is below this part of what axes can do.
 constexpr double kFeedBound = 0.7;
 
-constexpr std::size_t kMostSteps = 160;
-
-struct Steps {
-  std::array<double, kMostSteps> left;
-  std::array<double, kMostSteps> right;
-  std::size_t left_count = 0;
-  std::size_t right_count = 0;
-  double sum = 0.0;
-};
-
-/// Steps from both ends of a length towards its middle, two at least.
-Steps graded(double length, double first, double last, double longest) {
-  Steps steps;
+/// Fills `steps` with steps from both ends of a length towards its middle, two at least. They are
+/// scaled to fill it by whoever uses them.
+void grade(double length, double first, double last, double longest, std::vector<double>& steps) {
+  // More than it takes to grow from a nanometre to a kilometre.
+  constexpr std::size_t kMost = 96;
+  std::array<double, kMost> from_end;
+  std::size_t count = 0;
   double left = std::min(first, longest);
   double right = std::min(last, longest);
-  const auto full = [&] { return steps.left_count + steps.right_count >= kMostSteps; };
-  while ((steps.sum < length && !full()) || steps.left_count + steps.right_count < 2) {
-    if (left <= right) {
-      steps.left[steps.left_count++] = left;
-      steps.sum += left;
+  double sum = 0.0;
+  steps.clear();
+  while (sum < length || steps.size() + count < 2) {
+    if (left <= right || count == kMost) {
+      steps.push_back(left);
+      sum += left;
       left = std::min(left * kGrowth, longest);
     } else {
-      steps.right[steps.right_count++] = right;
-      steps.sum += right;
+      from_end[count++] = right;
+      sum += right;
       right = std::min(right * kGrowth, longest);
     }
   }
-  return steps;
+  while (count > 0) steps.push_back(from_end[--count]);
 }
 
 /// Of the axes that move at all.
@@ -198,29 +195,21 @@ void Smoother::place_front() {
 
   const double first_kink = std::max({before.kink, segment.kink, next.kink});
   const double last_kink = std::max({segment.kink, next.kink, after_next.kink});
-  const Steps steps = graded(segment.length, first_step(before, segment, first_kink),
-                             first_step(segment, next, last_kink), segment.longest_step);
+  grade(segment.length, first_step(before, segment, first_kink),
+        first_step(segment, next, last_kink), segment.longest_step, steps_);
+  const double scale = segment.length / std::accumulate(steps_.begin(), steps_.end(), 0.0);
 
   sources_.reserve(sources_.size() + 1);
   span_count_.reserve(span_count_.size() + 1);
   sources_.push_back(segment.piece);
-  span_count_.push_back(steps.left_count + steps.right_count);
-  const double scale = segment.length / steps.sum;
-  const double end_tolerance = std::min(segment.tolerance, next.tolerance);
-  double s = 0.0;
-  double done = 0.0;
-  for (std::size_t i = 0; i < steps.left_count; ++i) {
-    done += steps.left[i];
-    const bool last = i + 1 == steps.left_count && steps.right_count == 0;
-    const double to = last ? segment.length : done * scale;
-    add_span(segment, s, to, last ? end_tolerance : segment.tolerance);
-    s = to;
-  }
-  for (std::size_t i = steps.right_count; i-- > 0;) {
-    done += steps.right[i];
-    const double to = i == 0 ? segment.length : done * scale;
-    add_span(segment, s, to, i == 0 ? end_tolerance : segment.tolerance);
-    s = to;
+  span_count_.push_back(steps_.size());
+  double from = 0.0;
+  for (std::size_t i = 0; i < steps_.size(); ++i) {
+    const bool last = i + 1 == steps_.size();
+    const double to = last ? segment.length : from + steps_[i] * scale;
+    add_span(segment, from, to,
+             last ? std::min(segment.tolerance, next.tolerance) : segment.tolerance);
+    from = to;
   }
   last_placed_ = segment;
   segments_.pop_front();

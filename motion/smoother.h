@@ -11,8 +11,8 @@
 // rotary axes turn along, P is their tolerance in degrees too.
 #pragma once
 
-#include <array>
 #include <cstddef>
+#include <vector>
 
 #include "motion/limits.h"
 #include "motion/piece.h"
@@ -68,6 +68,7 @@ class Smoother {
   TubeSpline spline_;
   double weakest_acceleration_;
   Ring<Segment> segments_;
+  std::vector<double> steps_;  // of the segment in hand
   Segment last_placed_;
   Ring<Wishes> sources_;          // of spans that are not ready
   Ring<std::size_t> span_count_;  // of each source

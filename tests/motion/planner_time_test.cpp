@@ -137,4 +137,40 @@ TEST_CASE("queued_time is the time that the setpoints then take", "[MOT-1]") {
   CHECK(planner.queued_time() == 0.0);
 }
 
+// "This table shows the distance traveled so that the given speed is reached", 3.4.16, at 120
+// mm/s².
+TEST_CASE("The manual's table of speeds that short moves reach", "[MOT-1][GCO-6]") {
+  struct Row {
+    double speed;     // mm/s
+    double distance;  // mm, rounded to two digits
+  };
+  const auto row = GENERATE(values<Row>({{48, 19.20},
+                                         {30, 7.50},
+                                         {25, 5.21},
+                                         {20, 3.33},
+                                         {17, 2.41},
+                                         {15, 1.88},
+                                         {12, 1.20},
+                                         {10, 0.83},
+                                         {9, 0.68},
+                                         {8, 0.53},
+                                         {7, 0.41},
+                                         {6, 0.30},
+                                         {5, 0.21},
+                                         {4, 0.13},
+                                         {3, 0.08}}));
+  CAPTURE(row.speed);
+  PlannerSettings settings = reference_settings();
+  settings.limits.max_acceleration = Position::filled(120.0);
+  Planner planner(settings, {});
+  REQUIRE(planner.add_line(xyz(row.distance, 0), feed_of(100)));
+  double fastest = 0.0;
+  while (const auto setpoint = planner.next()) {
+    fastest = std::max(fastest, setpoint->velocity[Axis::X]);
+  }
+  CHECK(fastest == Approx(std::sqrt(120.0 * row.distance)).epsilon(1e-3));
+  // The table's own rounding: 0.005 mm of the distance, v = √(a d).
+  CHECK(std::abs(fastest - row.speed) <= 120.0 * 0.005 / (2.0 * row.speed) + 0.02 * row.speed);
+}
+
 }  // namespace cnc::motion::test

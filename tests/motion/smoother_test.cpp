@@ -1,6 +1,7 @@
 // G64: the path stays inside its tube, globally and both ways, and is fast because it uses it.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "tests/motion/dice.h"
@@ -190,6 +191,47 @@ TEST_CASE("While more is coming the smoothed path stays open", "[MOT-1]") {
   CHECK(planner.position() == xyz(2, 0));
   // One motion of 2 mm from rest to rest: 2 √(2/500).
   CHECK(time == Approx(2.0 * std::sqrt(2.0 / 500.0)).epsilon(1e-2));
+}
+
+TEST_CASE("Extreme moves are smoothed within the limits", "[MOT-2]") {
+  const double p = GENERATE(1e-3, 0.02, 1.0, 100.0);
+  CAPTURE(p);
+  const MoveOptions options = smooth(100.0, p);
+  Drive drive(reference_settings(), p);
+  SECTION("moves of a nanometre to a kilometre, back and forth") {
+    double x = 0.0;
+    for (const double length : {1e-6, 1e-3, 1e3, 1e-5, 1.0, 1e-2, -1e2, 1e-4, 1e1, 1e-6}) {
+      x += length;
+      drive.line(xyz(x, std::abs(length)), options);
+    }
+  }
+  SECTION("the same point over and over") {
+    for (int i = 0; i < 20; ++i) drive.line(xyz(1, 1), options);
+  }
+  SECTION("full circles, a micrometre to ten metres") {
+    for (const double radius : {1e-3, 0.1, 5.0, 1e4}) {
+      const Position at = drive.planner().queue_end();
+      drive.arc({at, Plane::xy, at[Axis::X] + radius, at[Axis::Y], 1}, options);
+      drive.line(xyz(at[Axis::X] + 3.0, at[Axis::Y] + 1.0), options);
+    }
+  }
+  SECTION("there and back") {
+    for (int i = 0; i < 6; ++i) drive.line(xyz(i % 2 == 0 ? 10.0 : 0.0, 0), options);
+  }
+  drive.finish();
+  require_inside(drive, p);
+}
+
+TEST_CASE("A tolerance that is none is refused and nothing queued", "[MOT-2]") {
+  Planner planner(reference_settings(), {});
+  const double infinite = std::numeric_limits<double>::infinity();
+  for (const double bad : {-1e-9, std::nan(""), infinite}) {
+    CHECK_FALSE(planner.add_line(xyz(1, 0), smooth(100.0, bad)));
+    MoveOptions options = feed_of(100.0);
+    options.simplify = bad;
+    CHECK_FALSE(planner.add_line(xyz(1, 0), options));
+  }
+  CHECK(planner.idle());
 }
 
 TEST_CASE("Tolerances that change from move to move are kept", "[MOT-2][property]") {
