@@ -18,8 +18,8 @@
 namespace cnc::hal {
 
 /// One piece of motion for the board's FIFO: a cubic from the end of the segment before it. `id`
-/// counts up by one from segment to segment, never 0; the first after a fault or any stop may have
-/// any. Segments shorter than Capabilities::min_segment_duration are stretched to it, and
+/// counts up by one from segment to segment, never 0; the first after a fault, any stop or a cut
+/// may have any. Segments shorter than Capabilities::min_segment_duration are stretched to it, and
 /// later ones shortened until the total time is right again.
 struct Segment {
   std::uint32_t id = 0;
@@ -108,6 +108,7 @@ struct ControllerStatus {
   std::uint32_t fifo_count = 0;    ///< segments waiting, the executing one not counted
   double fifo_time = 0.0;          ///< seconds of motion still in the board, at full speed
   PathStop path_stop = PathStop::none;
+  bool cut_late = false;    ///< the last cut_behind() came too late
   double time_scale = 1.0;  ///< speed along the path against the segments' own, 0 … 1.25
   bool moving = false;      ///< or waiting for the spindle, with segments to execute
   Position position;        ///< from the step counters, mm and degrees
@@ -145,6 +146,13 @@ class Controller {
   /// Appends; returns how many were taken (fewer when the FIFO is full; none while a fault is
   /// pending or a stop along the path waits for its release).
   virtual std::size_t push(std::span<const Segment> segments) = 0;
+
+  /// Replaces the end of the path: drops every segment behind `id`. What is pushed from now on goes
+  /// on from the end of `id` and has to be there before the board comes to it, best in the same
+  /// exchange. If the board is past `id` already, or stopping along the path, the cut is late:
+  /// status.cut_late says so, the board goes on with the segments that it has, and drops those
+  /// pushed since the cut, until the next one. One cut in an exchange.
+  virtual void cut_behind(std::uint32_t id) = 0;
 
   /// While a fault is pending the board keeps its outputs in the safe state, and it does not bring
   /// back what was on before: call again after clear_faults().

@@ -32,6 +32,7 @@ class RecordingController final : public hal::Controller {
       note("segment " + std::to_string(segments[taken].id));
     return taken;
   }
+  void cut_behind(std::uint32_t id) override { note("cut behind " + std::to_string(id)); }
   void set_outputs(const hal::Outputs& outputs) override {
     note(outputs.spindle_on ? "spindle on" : "spindle off");
   }

@@ -1,5 +1,6 @@
 #include "hal/cpu5/driver/cpu5_driver.h"
 
+#include <algorithm>
 #include <fmt/format.h>
 
 #include "hal/cpu5/driver/board_values.h"
@@ -124,8 +125,18 @@ std::size_t Cpu5Driver::free_segments() const {
   const bool in_fault = status_.faults != 0 && !frame_.clear_faults;
   const bool held = status_.path_stop == PathStop::stopped && !made_free;
   if (!status_.connected || in_fault || held) return 0;
-  const std::size_t board_free = made_free ? firmware::kFifoCapacity : board_.fifo_free;
-  return board_free > frame_.segment_count ? board_free - frame_.segment_count : 0;
+  const std::uint32_t board_free = made_free         ? firmware::kFifoCapacity
+                                   : !frame_.has_cut ? board_.fifo_free
+                                                     : firmware::kFifoCapacity - most_kept_by_cut();
+  const std::uint32_t used =
+      frame_.segment_count - (frame_.has_cut ? frame_.segments_before_cut : 0);
+  return board_free > used ? board_free - used : 0;
+}
+
+// Numbers go up, so there are no more segments between two of them than their difference.
+std::uint32_t Cpu5Driver::most_kept_by_cut() const {
+  const std::uint32_t waiting = board_.fifo_count + frame_.segments_before_cut;
+  return std::min({waiting, frame_.cut_behind - board_.executing_id, firmware::kFifoCapacity});
 }
 
 std::size_t Cpu5Driver::push(std::span<const Segment> segments) {
@@ -154,6 +165,13 @@ void Cpu5Driver::set_outputs(const Outputs& outputs) {
   frame_.outputs = cpu5::to_board(outputs);
 }
 
+void Cpu5Driver::cut_behind(std::uint32_t id) {
+  frame_.has_cut = true;
+  frame_.cut_behind = id;
+  frame_.segments_before_cut = frame_.segment_count;
+  clock_.reset();
+}
+
 void Cpu5Driver::quick_stop() {
   drop_segments();
   frame_.quick_stop = true;
@@ -177,6 +195,7 @@ void Cpu5Driver::clear_faults() {
 
 void Cpu5Driver::drop_segments() {
   frame_.segment_count = 0;
+  frame_.has_cut = false;
   clock_.reset();
 }
 
@@ -219,6 +238,7 @@ void Cpu5Driver::read_status() {
   status_.fifo_time = seconds(board_.queued_time);
   status_.moving = board_.moving;
   status_.path_stop = from_board(board_.path_stop);
+  status_.cut_late = board_.cut_late;
   status_.time_scale = static_cast<double>(board_.time_scale) / double{firmware::kFullScale};
   status_.inputs = from_board(board_.inputs);
   status_.spindle_speed = speed_of(board_.spindle_period);

@@ -1,9 +1,9 @@
 // The CPU5 board as a Controller: machine coordinates to steps and ticks, status back.
 //
 // Requests are collected in one frame and leave with the next exchange(), in the order quick
-// stop, clear, release, stop along the path, latches, outputs, segments. After a fault the board
-// keeps its outputs safe: only set_outputs() called after clear_faults(), in the same exchange or
-// later, switches anything on again.
+// stop, clear, release, stop along the path, latches, outputs, segments and a cut among them. After
+// a fault the board keeps its outputs safe: only set_outputs() called after clear_faults(), in the
+// same exchange or later, switches anything on again.
 #pragma once
 
 #include <memory>
@@ -36,6 +36,7 @@ class Cpu5Driver : public Controller {
 
   [[nodiscard]] std::size_t free_segments() const override;
   std::size_t push(std::span<const Segment> segments) override;
+  void cut_behind(std::uint32_t id) override;
 
   void set_outputs(const Outputs& outputs) override;
   void quick_stop() override;
@@ -54,6 +55,7 @@ class Cpu5Driver : public Controller {
   [[nodiscard]] firmware::Setup setup() const;
   [[nodiscard]] firmware::Segment to_board(const Segment& segment);
   void drop_segments();
+  [[nodiscard]] std::uint32_t most_kept_by_cut() const;
   void read_status();
   void read_latches();
   void read_probe_latch();

@@ -44,7 +44,9 @@ void Core::host_alive() {
 }
 
 bool Core::push(const Segment& segment) {
-  if (faults_ != 0 || path_stop_ == PathStop::stopped || fifo_.free() == 0) return false;
+  if (faults_ != 0 || path_stop_ == PathStop::stopped || cut_late_ || fifo_.free() == 0) {
+    return false;
+  }
   if (!acceptable(segment)) {
     fail(kBadSegment);
     return false;
@@ -79,6 +81,45 @@ bool Core::acceptable(const Segment& segment) const {
 // A scale that differs from 1 stays with the path until it stands.
 bool Core::may_be_scaled(const Segment& segment) const {
   return segment.spindle_period != 0 || tail_scaled_;
+}
+
+void Core::cut_behind(std::uint32_t id) {
+  if (faults_ == 0) cut_late_ = path_stop_ != PathStop::none || !cut_fifo_behind(id);
+}
+
+bool Core::cut_fifo_behind(std::uint32_t id) {
+  if (executing_ && segment_.id == id) {
+    keep_waiting(0);
+    return true;
+  }
+  for (std::uint32_t i = 0; i < fifo_.size(); ++i) {
+    if (fifo_[i].id != id) continue;
+    keep_waiting(i + 1);
+    return true;
+  }
+  // The whole path is made: nothing is left to be dropped.
+  if (executing_ || !fifo_.empty() || tail_id_ != id) return false;
+  any_id_ = true;
+  return true;
+}
+
+// The tail becomes what it was when the last of them had been pushed.
+void Core::keep_waiting(std::uint32_t count) {
+  const auto scaled_behind = [](const Segment& segment, bool scaled_before) {
+    return (scaled_before || segment.spindle_period != 0) && segment.velocity != kStandstill;
+  };
+  tail_scaled_ = executing_ && scaled_behind(segment_, time_scale_ != kFullScale);
+  fifo_ticks_ = 0;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    tail_scaled_ = scaled_behind(fifo_[i], tail_scaled_);
+    fifo_ticks_ += fifo_[i].duration;
+  }
+  fifo_.cut(count);
+  const Segment& last = count > 0 ? fifo_[count - 1] : segment_;
+  tail_position_ = last.position;
+  tail_velocity_ = last.velocity;
+  tail_id_ = last.id;
+  any_id_ = true;
 }
 
 void Core::quick_stop() { stop_pulses(); }
@@ -171,6 +212,7 @@ void Core::stop_pulses() {
   executing_ = false;
   waiting_for_index_ = false;
   path_stop_ = PathStop::none;
+  cut_late_ = false;
   time_scale_ = kFullScale;
   fifo_.clear();
   fifo_ticks_ = 0;
@@ -209,6 +251,7 @@ Status Core::status() const {
           .home_latch = latches_,
           .probe_latch = probe_,
           .path_stop = path_stop_,
+          .cut_late = cut_late_,
           .time_scale = time_scale_,
           .outputs = outputs_};
 }

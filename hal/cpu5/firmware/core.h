@@ -7,15 +7,20 @@
 // start; a slice is done when all of its time has been given. The steps made therefore do not
 // depend on how the time was cut into calls, and lag behind it by less than one slice.
 //
-// Rules for segments: id one above the last accepted (any but 0 after start, any stop or cleared
-// faults; 0 is skipped when the number wraps), duration 1 … kMaxSegmentTicks, position within
-// kMaxPosition, and the speed nowhere above Setup::max_velocity. A segment that breaks one is never
-// executed: it is the fault kBadSegment.
+// Rules for segments: id one above the last accepted (any but 0 after start, any stop, a cut or
+// cleared faults; 0 is skipped when the number wraps), duration 1 … kMaxSegmentTicks, position
+// within kMaxPosition, and the speed nowhere above Setup::max_velocity. A segment that breaks one
+// is never executed: it is the fault kBadSegment.
 //
 // A stop along the path slows path time down until the machine stands (path_stop.h), then empties
 // the FIFO: no fault, and the step counts are where every motor is. What the host had under way for
 // the path before would now be wrong, so the board drops segments without a word until
 // release_stop(). The host asks for such a stop, or the probe latch begins one when it catches.
+//
+// A cut replaces the end of the path: what waits behind a segment that is not finished yet is
+// dropped, and what is pushed afterwards goes on from that segment's end. A cut behind a segment
+// that is finished is late: the path goes on as it was, and what the host sends for its new path is
+// dropped until the next cut, which the host will send when it has read that.
 //
 // A segment may wait for the spindle's index pulse and then counts its time from the very moment of
 // the pulse, whenever the core saw it: threads cut in several passes meet. A segment that follows
@@ -58,6 +63,8 @@ class Core {
   /// False when the segment was not taken: FIFO full, fault pending, stopped along the path, or bad
   /// (which is a fault then).
   bool push(const Segment& segment);
+  /// Drops what waits behind segment `id`, or is late (above).
+  void cut_behind(std::uint32_t id);
   void quick_stop();
   /// At a standstill: stopped at once.
   void stop_along_path();
@@ -83,6 +90,8 @@ class Core {
   [[nodiscard]] bool acceptable(const Segment& segment) const;
   [[nodiscard]] bool may_be_scaled(const Segment& segment) const;
   [[nodiscard]] bool host_silent() const;
+  [[nodiscard]] bool cut_fifo_behind(std::uint32_t id);
+  void keep_waiting(std::uint32_t count);
   bool start_next_segment();
   void finish_segment();
   [[nodiscard]] Ticks slice_length() const;
@@ -123,6 +132,7 @@ class Core {
   bool tail_scaled_ = false;
   std::uint32_t tail_id_ = 0;
   bool any_id_ = true;
+  bool cut_late_ = false;
 
   bool executing_ = false;
   Segment segment_;  // in execution, or the last executed

@@ -27,6 +27,12 @@ void execute_probe(ProbeRequest request, Core& core) {
   }
 }
 
+void push_segments(const HostFrame& frame, std::uint32_t first, std::uint32_t end, Core& core) {
+  for (std::uint32_t i = first; i < end; ++i) {
+    if (!core.push(frame.segments[i])) return;
+  }
+}
+
 }  // namespace
 
 void HostFrame::reset() {
@@ -37,6 +43,7 @@ void HostFrame::reset() {
   latch = {};
   probe = ProbeRequest::none;
   has_outputs = false;
+  has_cut = false;
   segment_count = 0;
 }
 
@@ -53,9 +60,11 @@ void execute(const HostFrame& frame, Core& core) {
   if (frame.has_outputs) core.set_outputs(frame.outputs);
   const std::uint32_t count =
       frame.segment_count < kFifoCapacity ? frame.segment_count : kFifoCapacity;
-  for (std::uint32_t i = 0; i < count; ++i) {
-    if (!core.push(frame.segments[i])) return;
-  }
+  const std::uint32_t before_cut = frame.has_cut ? frame.segments_before_cut : count;
+  push_segments(frame, 0, before_cut, core);
+  if (!frame.has_cut) return;
+  core.cut_behind(frame.cut_behind);
+  push_segments(frame, before_cut, count, core);
 }
 
 }  // namespace cnc::hal::cpu5::firmware

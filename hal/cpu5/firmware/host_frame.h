@@ -19,6 +19,9 @@ struct HostFrame {
   ProbeRequest probe = ProbeRequest::none;
   bool has_outputs = false;  ///< `outputs` counts; else they stay as they are
   Outputs outputs;
+  bool has_cut = false;
+  std::uint32_t cut_behind = 0;           ///< id of the last segment to be kept
+  std::uint32_t segments_before_cut = 0;  ///< of `segments`; the others belong to the new path
   std::uint32_t segment_count = 0;
   std::array<Segment, kFifoCapacity> segments;  ///< only the first segment_count are meant
 

@@ -118,6 +118,7 @@ struct Status {
   PerAxis<HomeLatch> home_latch{};
   ProbeLatch probe_latch{};
   PathStop path_stop = PathStop::none;
+  bool cut_late = false;  ///< the last cut was; segments are dropped until the next
   TimeScale time_scale = kFullScale;
   Outputs outputs{};
 };

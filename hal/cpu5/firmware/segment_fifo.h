@@ -25,6 +25,12 @@ class SegmentFifo {
   /// Oldest segment. Not empty.
   Segment pop() { return ring_[read_++ % kCapacity]; }
 
+  /// Of those waiting, 0 is the oldest.
+  [[nodiscard]] const Segment& operator[](std::uint32_t index) const {
+    return ring_[(read_ + index) % kCapacity];
+  }
+  /// Leaves the oldest `count`, which wait.
+  void cut(std::uint32_t count) { written_ = read_ + count; }
   void clear() { read_ = written_; }
 
  private:
