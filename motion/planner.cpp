@@ -274,6 +274,8 @@ std::optional<Planner::Stretch> Planner::skip(Supply supply) {
   return duration > 0.0 ? std::optional(Stretch{duration, tag}) : std::nullopt;
 }
 
+bool Planner::keeps_setpoints() const { return impl_->settings.most_taken_back > 0; }
+
 std::size_t Planner::known() const { return impl_->marks.size(); }
 
 void Planner::forget_all_but(std::size_t count) {

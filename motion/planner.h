@@ -109,7 +109,8 @@ class Planner {
   // Until it is known which, next() goes no further along the path than it has been, or than is
   // planned well ahead, and takes in nothing that was added since.
 
-  /// Setpoints that can be taken back.
+  /// Whether setpoints can be taken back at all, and how many.
+  [[nodiscard]] bool keeps_setpoints() const;
   [[nodiscard]] std::size_t known() const;
   /// Only the last `count` setpoints may still be taken back.
   void forget_all_but(std::size_t count);

@@ -95,9 +95,9 @@ Result<void> SetpointCheck::check(const Setpoint& setpoint) {
   return {};
 }
 
-void SetpointCheck::restart(const Position& position) {
+void SetpointCheck::restart(const Position& position, const Position& velocity) {
   position_ = position;
-  velocity_ = {};
+  velocity_ = velocity;
 }
 
 }  // namespace cnc::motion

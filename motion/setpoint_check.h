@@ -28,8 +28,8 @@ class SetpointCheck {
   /// was good to the end of this one. After an error nothing has changed.
   [[nodiscard]] Result<void> check(const Setpoint& setpoint);
 
-  /// The machine stands still here now, by whatever means.
-  void restart(const Position& position);
+  /// The next setpoint begins here and with this velocity, by whatever means.
+  void restart(const Position& position, const Position& velocity = {});
 
  private:
   AxisLimits limits_;

@@ -20,7 +20,7 @@ JobControl::JobControl(const config::MachineConfig& config, interp::Interpreter&
       io_(io),
       files_(files),
       log_(log),
-      planner_(planner_settings(config), Position{}),
+      planner_(job_planner_settings(config), Position{}),
       runner_(config, interpreter, planner_),
       home_is_estop_(config.safety.home_sensor_is_estop),
       probe_(config, feed) {}
@@ -33,15 +33,23 @@ void JobControl::start(std::shared_ptr<const interp::Program> program, Kind kind
   line_ = 0;
   error_.reset();
   notes_.clear();
+  replan_wanted_ = false;
   feed_.begin_motion(AxisArray<bool>::filled(true));
   runner_.start(std::move(program), feed_.commanded(), io_.spindle());
   apply_overrides();
+}
+
+void JobControl::hold() {
+  runner_.hold();
+  probe_.hold();
+  replan();
 }
 
 void JobControl::resume() {
   if (waits_for_ == WaitsFor::operator_) go_on({});
   probe_.resume();
   runner_.resume();
+  replan();
 }
 
 /// The action in hand is done. The machine may stand elsewhere than where the program left it.
@@ -86,10 +94,12 @@ void JobControl::home_done() { go_on({}); }
 
 void JobControl::abandon() {
   // A new planner: the old one may have been interrupted in full motion.
-  planner_ = motion::Planner(planner_settings(config_), feed_.commanded());
+  planner_ = motion::Planner(job_planner_settings(config_), feed_.commanded());
   runner_.abandon();
   probe_.drop();
   notes_.clear();
+  notes_before_cut_.clear();
+  replan_wanted_ = false;
   active_ = false;
   waits_for_ = WaitsFor::nothing;
   interpreter_.set_position(feed_.commanded());
@@ -98,6 +108,9 @@ void JobControl::abandon() {
 JobSignal JobControl::cycle() {
   if (!active_) return JobSignal::none;
   if (const std::uint32_t line = feed_.executing().tag.line; line != 0) line_ = line;
+  if (error_) return fail_with(*error_);
+  if (!cut_is_settled()) return JobSignal::none;
+  runner_.forget_all_but(feed_.under_way());
   show_due_notes();
   if (waits_for_ == WaitsFor::probe) return cycle_probe();
   if (waits_for_ == WaitsFor::input) return cycle_input();
@@ -211,8 +224,10 @@ void JobControl::show(const JobEvent& event) {
 }
 
 void JobControl::set_overrides(const Overrides& overrides) {
+  const bool same = overrides.feed == overrides_.feed && overrides.rapid == overrides_.rapid;
   overrides_ = overrides;
   apply_overrides();
+  if (!same) replan();
 }
 
 void JobControl::apply_overrides() {

@@ -56,10 +56,10 @@ class JobControl {
   /// A job ends with spindle and coolant off; a single line leaves them as they are.
   enum class Kind : std::uint8_t { job, single_line };
   void start(std::shared_ptr<const interp::Program> program, Kind kind);
-  void hold() {
-    runner_.hold();
-    probe_.hold();
-  }
+  /// hold(), resume() and set_overrides() act from the first segment on that the board has not
+  /// begun and that can still be replaced, within 10 ms; on a thread, a probe move and overrides
+  /// that the program sets, behind what is under way.
+  void hold();
   void resume();
   /// What the program asks; nullptr when it asks nothing. Valid until it is answered.
   [[nodiscard]] const interp::Dialog* question() const;
@@ -107,6 +107,11 @@ class JobControl {
   /// What the action in hand waits for.
   enum class WaitsFor : std::uint8_t { nothing, operator_, answer, homing, probe, input, spindle };
 
+  void replan();
+  void cut_and_go_on(std::size_t count);
+  void draw_replacement();
+  [[nodiscard]] bool cut_is_settled();
+  void undo_cut();
   [[nodiscard]] JobSignal perform(const JobEvent& event);
   [[nodiscard]] JobSignal wait_for(WaitsFor what, JobSignal signal);
   [[nodiscard]] JobSignal start_probe(const interp::ProbeMove& move);
@@ -120,6 +125,7 @@ class JobControl {
                                                const std::string& name);
   [[nodiscard]] JobSignal finish(JobSignal how);
   void show_due_notes();
+  void withdraw_notes();
   void show(const JobEvent& event);
   void apply_overrides();
 
@@ -154,6 +160,8 @@ class JobControl {
   std::uint32_t line_ = 0;
   ShownOffsets offsets_;
   std::deque<DueNote> notes_;
+  std::deque<DueNote> notes_before_cut_;
+  bool replan_wanted_ = false;  // once it is known what became of the cut under way
   std::optional<Error> error_;
 };
 

@@ -54,34 +54,33 @@ void JobRunner::abandon() {
   planner_.clear();
   planner_.resume();
   running_ = false;
-  notes_.clear();
+  due_.clear();
+  forget_given();
   pending_action_.reset();
   held_ = false;
-  dwell_left_ = 0.0;
   drawn_.reset();
   error_.reset();
 }
 
 JobRunner::Next JobRunner::next() {
   if (!running_) return error_ ? Next::failed : Next::ended;
-  fill_planner();
-  if (!drawn_) drawn_ = draw();
-
-  if (note_is_due(drawn_.has_value(), drawn_ ? drawn_->tag.id : 0)) {
-    event_ = std::move(notes_.front().event);
-    notes_.pop_front();
-    return Next::note;
+  if (!unconfirmed_) fill_planner();
+  if (!drawn_) {
+    before_drawn_ = planner_.position();
+    drawn_ = draw();
+  }
+  if (item_is_due()) {
+    if (std::holds_alternative<JobEvent>(due_.front().what)) return give_note();
+    return held_ ? Next::held : give_dwell();
   }
   if (drawn_) {
     setpoint_ = *drawn_;
     drawn_.reset();
+    ++number_;
     return Next::setpoint;
   }
+  if (unconfirmed_) return Next::busy;
   if (held_ || (!planner_.idle() && !more_to_come_)) return Next::held;
-  if (dwell_left_ > 0.0) {
-    take_dwell(config_.trajectory.interpolation_time);
-    return Next::setpoint;
-  }
   if (pending_action_) {
     event_ = *pending_action_;
     return Next::action;
@@ -106,12 +105,14 @@ void JobRunner::action_done(const std::optional<interp::Answer>& answer) {
   const interp::CommandBody& done = pending_action_->command.body;
   if (const auto* turn = std::get_if<interp::TurnSpindle>(&done)) {
     const bool starts = turn->direction != spindle_ && turn->direction != SpindleDirection::off;
-    if (starts) dwell_left_ = config_.spindle.ramp_up_time;
+    if (starts && config_.spindle.ramp_up_time > 0.0)
+      due_.push_back({last_move_, config_.spindle.ramp_up_time});
     spindle_ = turn->direction;
   }
   if (std::holds_alternative<interp::ChangeTool>(done)) spindle_ = SpindleDirection::off;
   if (std::holds_alternative<interp::SyncMove>(done)) begins_at_index_ = true;
   pending_action_.reset();
+  forget_given();
   if (!answer) return;
   interpreter_.answer(*answer);
   planner_.set_position(answer->position);
@@ -127,18 +128,107 @@ void JobRunner::resume() {
   planner_.resume();
 }
 
-bool JobRunner::note_is_due(bool has_setpoint, std::uint64_t move) const {
-  if (notes_.empty()) return false;
-  return has_setpoint ? notes_.front().after_move < move : planner_.idle();
+bool JobRunner::item_is_due() const {
+  if (due_.empty()) return false;
+  return drawn_ ? due_.front().after_move < drawn_->tag.id : planner_.idle();
 }
+
+JobRunner::Next JobRunner::give_note() {
+  event_ = std::get<JobEvent>(due_.front().what);
+  if (planner_.keeps_setpoints()) given_.push_back({number_, std::move(due_.front())});
+  due_.pop_front();
+  return Next::note;
+}
+
+/// A dwell is motion that goes nowhere: it then takes exactly its time on the board's clock.
+JobRunner::Next JobRunner::give_dwell() {
+  const double slice = config_.trajectory.interpolation_time;
+  const std::uint64_t after_move = due_.front().after_move;
+  double& left = std::get<double>(due_.front().what);
+  setpoint_ = {};
+  // A rest too short for a setpoint of its own is spent at once.
+  setpoint_.duration = left < 1.5 * slice ? left : slice;
+  setpoint_.position = drawn_ ? before_drawn_ : planner_.position();
+  setpoint_.tag = {after_move, 0};
+  ++number_;
+  if (planner_.keeps_setpoints()) given_.push_back({number_, {after_move, setpoint_.duration}});
+  left -= setpoint_.duration;
+  if (left <= 0.0) due_.pop_front();
+  return Next::setpoint;
+}
+
+/// Nothing behind a dwell is read before it has been handed out.
+bool JobRunner::waits_for_dwell() const {
+  return std::ranges::any_of(due_, [&](const DueItem& item) {
+    return item.after_move == last_move_ && std::holds_alternative<double>(item.what);
+  });
+}
+
+// --- what is taken back --------------------------------------------------------------------------
+
+/// Setpoints behind `number` that are none of the planner's.
+std::size_t JobRunner::dwells_behind(std::uint64_t number) const {
+  return static_cast<std::size_t>(std::ranges::count_if(given_, [&](const GivenItem& given) {
+    return given.number > number && std::holds_alternative<double>(given.item.what);
+  }));
+}
+
+void JobRunner::forget_all_but(std::size_t count) {
+  if (unconfirmed_) return;
+  const std::uint64_t first = number_ - std::min<std::uint64_t>(count, number_);
+  while (!given_.empty() && given_.front().number <= first) given_.pop_front();
+  planner_.forget_all_but(count - std::min(count, dwells_behind(first)) + (drawn_ ? 1 : 0));
+}
+
+bool JobRunner::take_back(std::size_t count) {
+  if (count > number_) return false;
+  const std::uint64_t last = number_ - count;
+  const std::size_t dwells = dwells_behind(last);
+  if (dwells > count || !planner_.take_back(count - dwells + (drawn_ ? 1 : 0))) return false;
+  taken_back_ = {number_, last, due_, {}, std::exchange(drawn_, std::nullopt)};
+  while (!given_.empty() && given_.back().number > last) {
+    due_.push_front(given_.back().item);
+    taken_back_.given.push_front(std::move(given_.back()));
+    given_.pop_back();
+  }
+  number_ = last;
+  running_ = unconfirmed_ = true;
+  return true;
+}
+
+void JobRunner::forget_given() {
+  given_.clear();
+  taken_back_ = {};
+  unconfirmed_ = false;
+}
+
+void JobRunner::confirm_take_back() {
+  planner_.confirm_take_back();
+  taken_back_ = {};
+  unconfirmed_ = false;
+}
+
+void JobRunner::revoke_take_back() {
+  if (!unconfirmed_) return;
+  planner_.revoke_take_back();
+  unconfirmed_ = false;
+  due_ = std::move(taken_back_.due);
+  drawn_ = taken_back_.drawn;
+  while (!given_.empty() && given_.back().number > taken_back_.last) given_.pop_back();
+  for (GivenItem& item : taken_back_.given) given_.push_back(std::move(item));
+  number_ = taken_back_.number;
+  taken_back_ = {};
+}
+
+// --- reading the program -------------------------------------------------------------------------
 
 /// Pulls commands until the planner has enough, or one of them has to wait for standstill.
 void JobRunner::fill_planner() {
   // Between moves the program may say very much (messages, offsets); bounded per call like lines.
   constexpr std::size_t kMaxNotes = 1000;
   more_to_come_ = false;
-  while (!program_over_ && !pending_action_ && dwell_left_ == 0.0 && !planner_.full()) {
-    if (notes_.size() >= kMaxNotes) {
+  while (!program_over_ && !pending_action_ && !waits_for_dwell() && !planner_.full()) {
+    if (due_.size() >= kMaxNotes) {
       more_to_come_ = true;
       return;
     }
@@ -179,9 +269,12 @@ void JobRunner::take(const interp::Command& command) {
         fail_with(std::move(queued.error()), command.source);
       break;
     case Role::dwell:
-      dwell_left_ = std::get<interp::Dwell>(command.body).duration;
       // G4 P0 waits until every move before it is done.
-      if (dwell_left_ == 0.0) pending_action_ = event_of(command);
+      if (const double time = std::get<interp::Dwell>(command.body).duration; time > 0.0) {
+        due_.push_back({last_move_, time});
+      } else {
+        pending_action_ = event_of(command);
+      }
       break;
     case Role::feed:
       feed_ = std::get<interp::SetFeedRate>(command.body);
@@ -195,7 +288,7 @@ void JobRunner::take(const interp::Command& command) {
       break;
     }
     case Role::note:
-      notes_.push_back({last_move_, event_of(command)});
+      due_.push_back({last_move_, event_of(command)});
       break;
     case Role::action:
       pending_action_ = event_of(command);
@@ -225,17 +318,6 @@ void JobRunner::fail_with(Error error, interp::SourceLine source) {
   }
   error_ = std::move(error);
   program_over_ = true;
-}
-
-/// A dwell is motion that goes nowhere: it then takes exactly its time on the board's clock.
-void JobRunner::take_dwell(double slice) {
-  setpoint_ = {};
-  setpoint_.duration = std::min(slice, dwell_left_);
-  // A rest too short for a setpoint of its own is spent at once.
-  if (dwell_left_ - setpoint_.duration < 0.5 * slice) setpoint_.duration = dwell_left_;
-  setpoint_.position = planner_.position();
-  setpoint_.tag = {last_move_, 0};
-  dwell_left_ -= setpoint_.duration;
 }
 
 }  // namespace cnc::server

@@ -12,6 +12,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <variant>
 
 #include "config/machine_config.h"
 #include "interpreter/interpreter.h"
@@ -68,6 +69,19 @@ class JobRunner {
   void hold();
   void resume();
 
+  // What the controller has not begun can be taken back and is then handed out anew: setpoints
+  // after hold(), resume() or new overrides of the planner, each dwell for as long as it has left,
+  // and notes at their place. Setpoints only until it is known whether the controller has dropped
+  // the old ones (motion/planner.h). Never back over an action.
+
+  /// Only the last `count` setpoints may still be taken back.
+  void forget_all_but(std::size_t count);
+  /// False, and nothing changed, when they are not known any more.
+  bool take_back(std::size_t count);
+  void confirm_take_back();
+  [[nodiscard]] bool unconfirmed() const { return unconfirmed_; }
+  void revoke_take_back();
+
   /// Drops what is left of the program. Only when standing still.
   void abandon();
   [[nodiscard]] bool running() const { return running_; }
@@ -76,7 +90,11 @@ class JobRunner {
   void fill_planner();
   [[nodiscard]] std::optional<motion::Setpoint> draw();
   void take(const interp::Command& command);
-  void take_dwell(double seconds);
+  [[nodiscard]] Next give_note();
+  [[nodiscard]] Next give_dwell();
+  [[nodiscard]] bool waits_for_dwell() const;
+  void forget_given();
+  [[nodiscard]] std::size_t dwells_behind(std::uint64_t number) const;
   [[nodiscard]] bool is_motion(const interp::CommandBody& body) const;
   [[nodiscard]] Result<void> queue_motion(const interp::Command& command);
   [[nodiscard]] Result<void> queue_line(const Position& end, const motion::MoveOptions& options);
@@ -91,7 +109,7 @@ class JobRunner {
   [[nodiscard]] double feed_for(const Position& end) const;
   [[nodiscard]] double turns_per_second() const;
   void fail_with(Error error, interp::SourceLine source);
-  [[nodiscard]] bool note_is_due(bool has_setpoint, std::uint64_t move) const;
+  [[nodiscard]] bool item_is_due() const;
 
   const config::MachineConfig& config_;
   interp::Interpreter& interpreter_;
@@ -108,11 +126,27 @@ class JobRunner {
   double spindle_speed_ = 0.0;                            // programmed, rpm
   std::optional<interp::UseSurfaceSpeed> surface_speed_;  // instead of it
 
-  struct DueNote {
+  /// A note, or a dwell (G4, or a spindle that runs up) of so many seconds.
+  struct DueItem {
     std::uint64_t after_move = 0;
-    JobEvent event;
+    std::variant<JobEvent, double> what;
   };
-  std::deque<DueNote> notes_;
+  struct GivenItem {
+    std::uint64_t number = 0;  ///< of the setpoint before the note, or of the dwell's own
+    DueItem item;
+  };
+  struct TakenBack {
+    std::uint64_t number = 0;
+    std::uint64_t last = 0;  ///< number of the last setpoint that was kept
+    std::deque<DueItem> due;
+    std::deque<GivenItem> given;
+    std::optional<motion::Setpoint> drawn;
+  };
+  std::deque<DueItem> due_;                 ///< in the order of the program
+  std::deque<GivenItem> given_;             ///< what may be taken back
+  std::uint64_t number_ = 0;                ///< of the last setpoint handed out
+  TakenBack taken_back_;                    ///< as it was before
+  bool unconfirmed_ = false;                ///< it is not known yet what becomes of it
   std::optional<JobEvent> pending_action_;  ///< the planner runs empty, then it is handed out
   bool held_ = false;
   /// A thread's move waits for the next command: only the last one of a thread ends at rest.
@@ -120,11 +154,11 @@ class JobRunner {
   bool in_thread_ = false;       // the first move of the thread has been queued or waits
   double measured_speed_ = 0.0;  // rpm
   bool begins_at_index_ = false;
-  double dwell_left_ = 0.0;  ///< s; G4, or a spindle that runs up
   interp::SpindleDirection spindle_ = interp::SpindleDirection::off;
   bool more_to_come_ = false;  // the planner is not full, but the rest takes another call
   Detail detail_;
-  std::optional<motion::Setpoint> drawn_;  ///< drawn from the planner, a note goes first
+  std::optional<motion::Setpoint> drawn_;  ///< drawn from the planner, a note or dwell goes first
+  Position before_drawn_;
   motion::Setpoint setpoint_;
   JobEvent event_;
   std::optional<Error> error_;

@@ -71,4 +71,13 @@ namespace cnc::server {
           .tolerance_use = config.trajectory.tolerance_use};
 }
 
+/// For a job whose setpoints wait in the board's FIFO and can be replaced there. More than link and
+/// board hold together.
+[[nodiscard]] inline motion::PlannerSettings job_planner_settings(
+    const config::MachineConfig& config) {
+  motion::PlannerSettings settings = planner_settings(config);
+  settings.most_taken_back = 8192;
+  return settings;
+}
+
 }  // namespace cnc::server

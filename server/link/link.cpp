@@ -13,6 +13,13 @@ bool Link::push(const LinkItem& item) {
   return true;
 }
 
+bool Link::begin_cut(std::uint32_t id) {
+  if (!push(CutBehind{id})) return false;
+  begun_cut_ = pushed_;
+  cut_behind_.store(id, std::memory_order_relaxed);
+  return true;
+}
+
 void Link::cycle(double now) {
   if (quick_stop_.exchange(false, std::memory_order_acq_rel)) {
     controller_->quick_stop();
@@ -26,6 +33,7 @@ void Link::cycle(double now) {
   if (status.board.faults != 0) drop_queue();
   path_is_void_ = status.board.path_stop == hal::PathStop::stopped;
   status.items_done = items_done_;
+  status.interval = now - std::exchange(last_exchange_, now);
   if (status.board.moving && status.board.fifo_count > 0) {
     auto& lowest = statistics_.lowest_fifo_time;
     if (status.board.fifo_time < lowest.load(std::memory_order_relaxed))
@@ -35,18 +43,31 @@ void Link::cycle(double now) {
 }
 
 void Link::deliver() {
-  while (queue_.read_available() > 0 && deliver(queue_.front())) {
+  while (queue_.read_available() > 0 && (is_cut_off(queue_.front()) || deliver(queue_.front()))) {
     queue_.pop();
     ++items_done_;
   }
+}
+
+/// A segment that a cut behind it in the queue replaces. The number of the cut is loaded first:
+/// what it cuts behind was stored before.
+bool Link::is_cut_off(const LinkItem& item) const {
+  const auto* segment = std::get_if<hal::Segment>(&item);
+  return segment != nullptr && items_done_ < cut_item_.load(std::memory_order_acquire) &&
+         segment->id > cut_behind_.load(std::memory_order_relaxed);
 }
 
 bool Link::deliver(const LinkItem& item) {
   struct Visitor {
     hal::Controller& board;
     bool& path_is_void;
+    bool is_committed;
     bool operator()(const hal::Segment& segment) const {
       return path_is_void || board.push({&segment, 1}) == 1;
+    }
+    bool operator()(const CutBehind& cut) const {
+      if (is_committed) board.cut_behind(cut.id);
+      return is_committed;
     }
     bool operator()(const ArmProbe&) const {
       board.arm_probe_latch();
@@ -83,7 +104,8 @@ bool Link::deliver(const LinkItem& item) {
       return true;
     }
   };
-  return std::visit(Visitor{*controller_, path_is_void_}, item);
+  const bool is_committed = items_done_ < cut_item_.load(std::memory_order_acquire);
+  return std::visit(Visitor{*controller_, path_is_void_, is_committed}, item);
 }
 
 void Link::drop_queue() {

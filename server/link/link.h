@@ -38,12 +38,18 @@ struct DisarmProbe {};
 /// Ends a stop along the path: segments pushed before it are void, those behind it are taken.
 struct ReleaseStop {};
 
+/// The segments that follow replace those behind segment `id`; by Link::begin_cut() only.
+struct CutBehind {
+  std::uint32_t id = 0;
+};
+
 using LinkItem = std::variant<hal::Segment, SetOutputs, ClearFaults, SetPosition, ArmLatch,
-                              DisarmLatch, ArmProbe, DisarmProbe, ReleaseStop>;
+                              DisarmLatch, ArmProbe, DisarmProbe, ReleaseStop, CutBehind>;
 
 struct LinkStatus {
   hal::ControllerStatus board;
   std::uint64_t items_done = 0;  ///< items that have reached the board, since the link was made
+  double interval = 0.0;         ///< s between the last two exchanges
 };
 
 struct LinkStatistics {
@@ -75,6 +81,12 @@ class Link {
   [[nodiscard]] std::size_t space() const { return queue_.write_available(); }
   /// Number of items pushed so far; when status().items_done reaches it the board has them all.
   [[nodiscard]] std::uint64_t pushed() const { return pushed_; }
+  /// Replaces the segments behind number `id`, those that still wait here too: begin_cut(), push
+  /// the new ones, commit_cut(). The link thread then brings cut and new segments to the board in
+  /// one cycle, and ahead of the segments that they replace. When the item that begin_cut() has
+  /// pushed is done, the status says whether it was late. One at a time.
+  bool begin_cut(std::uint32_t id);
+  void commit_cut() { cut_item_.store(begun_cut_, std::memory_order_release); }
   /// Overtakes everything: pulses stop at once, queued items are dropped (and count as done).
   void quick_stop() { quick_stop_.store(true, std::memory_order_release); }
   [[nodiscard]] const LinkStatus& status() { return status_.read(); }
@@ -89,15 +101,20 @@ class Link {
 
  private:
   void deliver();
-  /// False when the board has no room for it yet.
+  /// False when the board has no room for it yet, or it is a cut that is not committed.
   bool deliver(const LinkItem& item);
+  [[nodiscard]] bool is_cut_off(const LinkItem& item) const;
   void drop_queue();
 
   std::unique_ptr<hal::Controller> controller_;
   boost::lockfree::spsc_queue<LinkItem, boost::lockfree::capacity<kCapacity>> queue_;
   TripleBuffer<LinkStatus> status_;
   std::atomic<bool> quick_stop_{false};
+  std::atomic<std::uint64_t> cut_item_{0};  // number of the last cut that is committed, among items
+  std::atomic<std::uint32_t> cut_behind_{0};
   std::uint64_t pushed_ = 0;      // executor's
+  std::uint64_t begun_cut_ = 0;   // executor's: number of its item
+  double last_exchange_ = 0.0;    // link thread's
   std::uint64_t items_done_ = 0;  // link thread's
   bool path_is_void_ = false;     // the board has stopped along the path: no segment reaches it
   LinkStatistics statistics_;

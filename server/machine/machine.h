@@ -100,6 +100,10 @@ class Machine {
   void set_restart_listener(std::function<void(const Position&)> listener) {
     feed_.set_restart_listener(std::move(listener));
   }
+  /// The last so many setpoints were replaced before the board began them.
+  void set_cut_listener(std::function<void(std::size_t)> listener) {
+    feed_.set_cut_listener(std::move(listener));
+  }
   /// Every setpoint that leaves, for recorders.
   void set_setpoint_listener(std::function<void(const motion::Setpoint&)> listener) {
     feed_.set_listener(std::move(listener));

@@ -1,13 +1,15 @@
 // The last stage before the link: setpoints become segments.
 //
 // Numbers the segments, checks every one of them against the limits once more, knows how many
-// seconds of motion are under way and which move the board executes just now. Executor thread only.
+// seconds of motion are under way and which move the board executes just now. What is under way and
+// not begun can be replaced: numbers go on, so that each of them means one segment for ever.
+// Executor thread only.
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <functional>
 #include <utility>
+#include <vector>
 
 #include "config/machine_config.h"
 #include "motion/planner.h"
@@ -22,6 +24,9 @@ struct Executing {
   double feed_limit = 0.0;  ///< programmed feed, mm/s; 0 = rapid
   Position velocity;
 };
+
+/// What became of a cut.
+enum class CutAnswer : std::uint8_t { none, pending, taken, late };
 
 class MotionFeed {
  public:
@@ -38,6 +43,20 @@ class MotionFeed {
   /// Sends a setpoint, checked once more.
   Result<void> emit(const motion::Setpoint& setpoint);
 
+  /// Segments that the board has not begun.
+  [[nodiscard]] std::size_t under_way() const;
+  /// Those of them that a cut would replace in time: all behind the first one that ends later than
+  /// a cut needs to reach the board. None while the path follows the spindle. Reads the newest
+  /// status.
+  [[nodiscard]] std::size_t replaceable();
+  /// The last `count` segments are void, commanded() is where the one before them ends, and what is
+  /// emitted until commit_cut() travels with the cut. Not while an answer is pending.
+  void begin_cut(std::size_t count);
+  void commit_cut() { link_.commit_cut(); }
+  /// Taken and late are answered until the next cut; after a late one what was void counts again,
+  /// and the board takes nothing before the next begin_cut().
+  [[nodiscard]] CutAnswer cut_answer();
+
   /// Everything emitted and every command sent has been executed, and the machine stands.
   [[nodiscard]] bool at_rest() const;
   /// A quick stop is under way: where the machine will stand is not known yet.
@@ -46,7 +65,8 @@ class MotionFeed {
   /// Axes that the board was moving in the segment it executes, or in which it has been stopped.
   /// None once that stop has been accepted.
   [[nodiscard]] AxisArray<bool> axes_in_motion() const;
-  /// Id of the last segment emitted, and whether the board has finished the segment `id`.
+  /// Id of the last segment emitted that is not void, and whether the board has finished the
+  /// segment `id`.
   [[nodiscard]] std::uint32_t last_id() const { return last_id_; }
   [[nodiscard]] bool executed(std::uint32_t id) const;
 
@@ -57,6 +77,11 @@ class MotionFeed {
   /// Is called with every setpoint that leaves.
   void set_listener(std::function<void(const motion::Setpoint&)> listener) {
     listener_ = std::move(listener);
+  }
+  /// Is called with the number of setpoints, the last ones, that are not executed after all. When a
+  /// cut was late they are told once more.
+  void set_cut_listener(std::function<void(std::size_t)> listener) {
+    cut_listener_ = std::move(listener);
   }
   /// Is called when the commanded position becomes another than the last setpoint's.
   void set_restart_listener(std::function<void(const Position&)> listener) {
@@ -72,28 +97,44 @@ class MotionFeed {
  private:
   struct Sent {
     std::uint32_t id = 0;
-    double end_time = 0.0;  // on the time line of everything emitted
+    std::uint32_t before = 0;   // id of the segment from whose end it goes on
+    std::uint64_t ordinal = 0;  // one more than that of the segment before it
+    double end_time = 0.0;      // on the time line of everything emitted
     double duration = 0.0;
+    Position end;
     Position start_velocity;
     Position end_velocity;
     AxisArray<bool> moves{};
     motion::MoveTag tag;
     double feed_limit = 0.0;
   };
-  // More than the link and the board hold together.
-  static constexpr std::size_t kHistory = 8192;
+  // More than the link and the board hold together, and as much again that is void.
+  static constexpr std::size_t kHistory = 16384;
+
+  struct Cut {
+    std::uint64_t item = 0;  // of the link
+    std::uint32_t kept_id = 0;
+    std::uint32_t last_id = 0;  // before it
+    CutAnswer answer = CutAnswer::none;
+  };
 
   [[nodiscard]] const Sent& sent(std::uint32_t id) const { return history_[id % kHistory]; }
   [[nodiscard]] double executed_time() const;
+  void revoke_cut();
+  void go_on_behind(std::uint32_t id);
 
   Link& link_;
   const config::MachineConfig& config_;
   motion::SetpointCheck check_;
   std::function<void(const motion::Setpoint&)> listener_;
+  std::function<void(std::size_t)> cut_listener_;
   std::function<void(const Position&)> restart_listener_;
   LinkStatus status_;
-  std::array<Sent, kHistory> history_{};
-  std::uint32_t last_id_ = 0;
+  std::vector<Sent> history_ = std::vector<Sent>(kHistory);
+  std::uint32_t newest_id_ = 0;  // the next segment has one more
+  std::uint32_t last_id_ = 0;    // of those that are not void
+  Cut cut_;
+  double patience_ = 1.0;      // factor of the time that a cut gets: more after a late one
   std::uint32_t void_id_ = 0;  // up to here nothing is executed any more
   Position commanded_;
   bool position_unknown_ = false;  // a quick stop is under way
