@@ -165,7 +165,9 @@ std::optional<Leg> next_leg(const Step& step, double done, double speed, const E
     const double left = step.length - done;
     if (step.straight) return Straight{left, speed, 0.0, 0.0, step.along}.brake();
     const double x = square(speed);
-    return curved_leg_with(hardest_braking(step, done, x), left, x);
+    // What holds for the rest of the step at once may be softer than what its end demands.
+    const double w = std::min(hardest_braking(step, done, x), machine_w(exit, left, x));
+    return curved_leg_with(w, left, x);
   }
   if (!step.straight) return curved_leg(step, done, square(speed), exit);
   return straight_leg(

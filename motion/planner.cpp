@@ -153,12 +153,15 @@ struct Planner::Impl {
   [[nodiscard]] std::uint64_t steps_since(const Mark& mark) const {
     return track.place().step - mark.place.step;
   }
+  /// Whether another setpoint can be drawn without one before it being forgotten for want of room.
+  [[nodiscard]] bool can_keep_more() const {
+    if (marks.empty()) return true;
+    return marks.size() < settings.most_taken_back &&
+           steps_since(marks.front()) + kMostLegs <= kMostStepsBehind;
+  }
   /// Until it is known which setpoints are executed, both ways on must stay possible.
   [[nodiscard]] bool may_draw_unconfirmed() const {
-    if (marks.size() == settings.most_taken_back) return false;
-    const Ring<Mark>& taken = taken_back.marks;
-    if (!taken.empty() && steps_since(taken.front()) + kMostLegs > kMostStepsBehind) return false;
-    return track.was_further() || track.sufficient();
+    return can_keep_more() && (track.was_further() || track.sufficient());
   }
   void forget_path() {
     track.forget_before(marks.empty() ? track.place().step : marks.front().place.step);
@@ -275,6 +278,8 @@ std::optional<Planner::Stretch> Planner::skip(Supply supply) {
 }
 
 bool Planner::keeps_setpoints() const { return impl_->settings.most_taken_back > 0; }
+
+bool Planner::can_keep_more() const { return impl_->can_keep_more(); }
 
 std::size_t Planner::known() const { return impl_->marks.size(); }
 

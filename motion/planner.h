@@ -112,6 +112,8 @@ class Planner {
   /// Whether setpoints can be taken back at all, and how many.
   [[nodiscard]] bool keeps_setpoints() const;
   [[nodiscard]] std::size_t known() const;
+  /// False when the next setpoint would make the oldest of them be forgotten, for want of room.
+  [[nodiscard]] bool can_keep_more() const;
   /// Only the last `count` setpoints may still be taken back.
   void forget_all_but(std::size_t count);
   /// The state is again as it was before the last `count` setpoints were drawn. False, and nothing

@@ -294,7 +294,7 @@ double hardest_braking(const Step& step, double done, double x) {
   if (step.straight) return -step.along;
   const double to_stop_at_end = -x / (2.0 * (step.length - done));
   const double low = allowed_w(step, done, x).low;
-  if (low > to_stop_at_end) return std::min(low, 0.0);
+  if (low > to_stop_at_end) return low;
   // Stops inside the step: at the end of the braking x is 0 and only q' w counts.
   return std::max(-step.along, std::min(low, to_stop_at_end));
 }

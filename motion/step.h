@@ -98,7 +98,8 @@ struct Range {
 /// its end, at the present x.
 [[nodiscard]] Range allowed_w(const Step& step, double done, double x);
 
-/// Hardest w < 0 that keeps the limits when it is held until standstill or until the step ends.
+/// Least w that keeps the limits when it is held until standstill or until the step ends. Above 0
+/// where an axis needs all of its acceleration for the curve, and the speed for that.
 [[nodiscard]] double hardest_braking(const Step& step, double done, double x);
 
 }  // namespace cnc::motion

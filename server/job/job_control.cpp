@@ -119,7 +119,7 @@ JobSignal JobControl::cycle() {
 
   // Bounds the time of one cycle when the program says much and moves little.
   constexpr int kMaxSteps = 2000;
-  for (int step = 0; step < kMaxSteps && feed_.wants_more(config_.trajectory.fifo_time); ++step) {
+  for (int step = 0; step < kMaxSteps && wants_more(); ++step) {
     switch (runner_.next()) {
       case JobRunner::Next::setpoint:
         if (auto sent = feed_.emit(runner_.setpoint()); !sent) return fail_with(sent.error());

@@ -109,6 +109,7 @@ class JobControl {
 
   void replan();
   void cut_and_go_on(std::size_t count);
+  [[nodiscard]] bool wants_more() const;
   void draw_replacement();
   [[nodiscard]] bool cut_is_settled();
   void undo_cut();

@@ -32,8 +32,14 @@ void JobControl::withdraw_notes() {
   while (!notes_.empty() && notes_.back().after_segment > feed_.last_id()) notes_.pop_back();
 }
 
+/// A path of so many small steps that the planner could not go back over the whole FIFO gets a
+/// shorter one.
+bool JobControl::wants_more() const {
+  return feed_.wants_more(config_.trajectory.fifo_time) && planner_.can_keep_more();
+}
+
 void JobControl::draw_replacement() {
-  while (feed_.wants_more(config_.trajectory.fifo_time)) {
+  while (wants_more()) {
     const JobRunner::Next next = runner_.next();
     if (next == JobRunner::Next::note) {
       notes_.push_back({feed_.last_id(), runner_.event()});

@@ -111,6 +111,32 @@ TEST_CASE("Feed hold at any instant stays on the path and within the limits", "[
   }
 }
 
+TEST_CASE("A feed hold where the curve needs all of the acceleration keeps the limits",
+          "[MOT-1][MAN-9]") {
+  // Chords of a wave, rounded to 0.1 µm as programs are: the blends differ in curvature, and at the
+  // tightest an axis has nothing left to brake with.
+  for (int instant = 200; instant < 1200; instant += 50) {
+    CAPTURE(instant);
+    World world(reference_settings());
+    int chord = 0;
+    const auto draw = [&](int count) {
+      for (int n = 0; n < count; ++n) {
+        for (; !world.planner.full() && chord < 2000; ++chord) {
+          const double y = std::round(1e4 * 5.0 * std::sin(0.01 * (chord + 1))) / 1e4;
+          add_line(world.planner, world.path, xyz(0.05 * (chord + 1), y), feed_of(75));
+        }
+        world.draw(1);
+      }
+    };
+    draw(instant);
+    world.planner.hold();
+    world.draw(10'000'000);
+    const Usage usage = usage_of(world.trajectory, world.settings.limits);
+    CHECK(usage.velocity <= 1.0 + 1e-6);
+    CHECK(usage.acceleration <= 1.0 + 1e-3);
+  }
+}
+
 TEST_CASE("Overrides that change at any instant stay on the path and within the limits",
           "[MOT-1][MAN-8]") {
   for (std::uint32_t seed = 1; seed <= 25; ++seed) {
