@@ -359,5 +359,6 @@ TEST_CASE("A FIFO of two seconds of tiny moves is replaced like a short one", "[
   CHECK(rig.shown()->job.ended_well);
   rig.require_well(motion);
   CHECK(motion.end() == reference.end());
-  CHECK(motion.distance_from(reference) < kSamePath);
+  // A setpoint joins several of these moves and meets the path to 1 nm where they end.
+  CHECK(motion.distance_from(reference) < 1e-5);
 }
