@@ -76,6 +76,11 @@ Result<void> JogPlanner::move_by(Axis axis, double distance, double speed) {
 
 void JogPlanner::stop() { orders_ = {}; }
 
+void JogPlanner::go_back(const Position& position, const Position& velocity) {
+  position_ = position;
+  velocity_ = velocity;
+}
+
 bool JogPlanner::standing() const { return velocity_ == Position{}; }
 
 std::optional<Setpoint> JogPlanner::next() {

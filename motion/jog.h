@@ -44,6 +44,10 @@ class JogPlanner {
   /// All axes brake to a standstill.
   void stop();
 
+  /// The ticks that led on from here are void, orders stay: the next tick begins at a position and
+  /// velocity that an earlier one has ended with.
+  void go_back(const Position& position, const Position& velocity);
+
   /// The next tick; nothing when every axis stands where it should.
   [[nodiscard]] std::optional<Setpoint> next();
 

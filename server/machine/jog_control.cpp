@@ -8,8 +8,8 @@
 namespace cnc::server {
 namespace {
 
-/// Seconds of motion under way while jogging: what a released key still moves at full speed. Far
-/// below FifoTime, far above the jitter of a busy computer.
+/// Seconds of motion under way while jogging: what a step waits for. Far below FifoTime, far above
+/// the jitter of a busy computer.
 constexpr double kLead = 0.06;
 /// Part of the maximum velocity that is allowed before homing, when homing is mandatory (STA-5).
 constexpr double kUnhomedRate = 0.05;
@@ -57,6 +57,7 @@ Result<void> JogControl::set_rates(const Position& rates, double until,
   leased_ = true;
   lease_end_ = until;
   active_ = true;
+  if (std::exchange(rates_, rates) != rates) replan();
   return {};
 }
 
@@ -68,6 +69,7 @@ Result<void> JogControl::step(Axis axis, double distance, double rate,
   begin(homed);
   const double speed = allowed_rate(rate, homed) * config_.axes[axis].velocity;
   if (auto moved = planner_.move_by(axis, distance, speed); !moved) return moved;
+  rates_ = {};
   active_ = true;
   return {};
 }
@@ -75,24 +77,50 @@ Result<void> JogControl::step(Axis axis, double distance, double rate,
 void JogControl::stop() {
   planner_.stop();
   leased_ = false;
+  rates_ = {};
+  replan();
+}
+
+/// Every order has just been given anew, so that none is lost that a void tick has fulfilled.
+void JogControl::replan() {
+  if (!active_) return;
+  replan_wanted_ = feed_.cut_answer() == CutAnswer::pending;
+  if (replan_wanted_) return;
+  if (const std::size_t count = feed_.replaceable(); count > 0) cut(count);
+}
+
+void JogControl::cut(std::size_t count) {
+  feed_.begin_cut(count);
+  planner_.go_back(feed_.commanded(), feed_.end_velocity());
+  draw();
+  feed_.commit_cut();
 }
 
 void JogControl::drop() {
-  active_ = leased_ = false;
+  active_ = leased_ = replan_wanted_ = false;
+  rates_ = {};
   planner_ = motion::JogPlanner(axis_limits(config_), config_.trajectory.interpolation_time,
                                 feed_.commanded());
 }
 
-void JogControl::cycle(double now) {
-  if (leased_ && now >= lease_end_) stop();
+void JogControl::draw() {
   while (feed_.wants_more(kLead)) {
     const auto setpoint = planner_.next();
-    if (!setpoint) break;
+    if (!setpoint) return;
     if (auto sent = feed_.emit(*setpoint); !sent) {
-      error_ = std::move(sent.error());
-      return drop();
+      error_ = std::move(sent.error());  // the next cycle tells
+      return;
     }
   }
+}
+
+void JogControl::cycle(double now) {
+  if (leased_ && now >= lease_end_) stop();
+  if (feed_.cut_answer() == CutAnswer::late) cut(feed_.replaceable());
+  if (feed_.cut_answer() == CutAnswer::pending) return;
+  if (replan_wanted_) replan();
+  if (!error_) draw();
+  if (error_) return drop();
   if (planner_.standing() && !leased_ && feed_.at_rest()) active_ = false;
 }
 

@@ -1,6 +1,8 @@
 // Manual motion: continuous jog as a lease, and single steps (MAN-1, MAN-2).
 //
-// Whoever jogs has to say so again before the lease runs out; a lost client is a released key.
+// Whoever jogs has to say so again before the lease runs out; a lost client is a released key. New
+// rates and a stop act from the first segment on that the board has not begun and that can still be
+// replaced; a step is added behind what is under way.
 // Executor thread only.
 #pragma once
 
@@ -31,6 +33,9 @@ class JogControl {
 
  private:
   void begin(const AxisArray<bool>& homed);
+  void replan();
+  void cut(std::size_t count);
+  void draw();
   [[nodiscard]] double allowed_rate(double rate, const AxisArray<bool>& homed) const;
 
   const config::MachineConfig& config_;
@@ -38,6 +43,8 @@ class JogControl {
   motion::JogPlanner planner_;
   bool active_ = false;
   bool leased_ = false;
+  Position rates_;
+  bool replan_wanted_ = false;  // once it is known what became of the cut under way
   double lease_end_ = 0.0;
   std::optional<Error> error_;
 };

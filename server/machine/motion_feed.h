@@ -56,6 +56,8 @@ class MotionFeed {
   /// Taken and late are answered until the next cut; after a late one what was void counts again,
   /// and the board takes nothing before the next begin_cut().
   [[nodiscard]] CutAnswer cut_answer();
+  /// How fast the last segment ends that is not void.
+  [[nodiscard]] const Position& end_velocity() const { return sent(last_id_).end_velocity; }
 
   /// Everything emitted and every command sent has been executed, and the machine stands.
   [[nodiscard]] bool at_rest() const;

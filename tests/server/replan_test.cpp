@@ -327,6 +327,57 @@ TEST_CASE("Messages and coolant of the part that is replaced come once, in order
   }
 }
 
+TEST_CASE("A released key, new rates and a lease that runs out act on a jog within 10 ms",
+          "[LNK-8][MAN-1]") {
+  Position rates;
+  rates[Axis::X] = 1.0;
+  rates[Axis::Y] = 0.5;
+  for (int ticks = 20; ticks < 300; ticks += 7) {
+    CAPTURE(ticks);
+    FastRig rig;
+    const double a = rig.machine.config().axes[Axis::X].acceleration;
+    RecordedMotion motion(rig);
+    REQUIRE(rig.machine.jog(rates, 10.0));
+    for (int i = 0; i < ticks; ++i) rig.simulation.cycle();
+    const double request = rig.simulation.time();
+    const int what = ticks % 3;
+    if (what == 0) rig.machine.jog_stop();
+    if (what == 1) REQUIRE(rig.machine.jog(rates * -1.0, 10.0));
+    if (what == 2) {
+      REQUIRE(rig.machine.jog(rates, 10.0));  // says nothing new
+      CHECK(motion.cuts() == 0);
+      rig.machine.stop([](const Result<void>&) {});
+    }
+    CHECK(motion.cuts() == 1);
+    CHECK(latency(motion, request) <= kLongestLatency + 1e-9);
+    // From there on X brakes as hard as it can.
+    const auto& all = motion.setpoints();
+    const double before = all[motion.kept() - 1].velocity[Axis::X];
+    const double change = before - all[motion.kept()].velocity[Axis::X];
+    CHECK(change == Approx(std::min(before, a * all[motion.kept()].duration)).margin(1e-9));
+    rig.machine.jog_stop();
+    REQUIRE(rig.becomes(State::ready));
+    CHECK(motion.setpoints().back().velocity == Position{});
+    rig.require_well(motion);
+  }
+}
+
+TEST_CASE("A jog whose cut comes too late stops none the less", "[LNK-8][MAN-1][safety]") {
+  FastRig rig;
+  RecordedMotion motion(rig);
+  Position rates;
+  rates[Axis::X] = 1.0;
+  REQUIRE(rig.machine.jog(rates, 10.0));
+  rig.run_for(0.5);
+  rig.machine.jog_stop();
+  // The link thread has not been woken for 20 ms.
+  rig.simulation.link().cycle(rig.simulation.time() + 0.02);
+  REQUIRE(rig.becomes(State::ready, 1.0));
+  CHECK(motion.cuts() >= 3);  // the late one, its being revoked, the next
+  CHECK(motion.setpoints().back().velocity == Position{});
+  rig.require_well(motion);
+}
+
 TEST_CASE("A FIFO of two seconds of tiny moves is replaced like a short one", "[LNK-8][JOB-8]") {
   // A wave of chords of 0.05 mm: at 50 mm/s two seconds are 2000 of them.
   std::string program = GENERATE("G61\nG0 X0 Y20\nG1 F3000\n", "G64 P0.01\nG0 X0 Y20\nG1 F3000\n");
