@@ -4,3 +4,6 @@ if(CNC_SERVER)
             LINKS cnc_test_process cncapi fmt::fmt)
   add_dependencies(status_bench cncserver)
 endif()
+
+# How soon a feed hold acts.
+cnc_bench(replan_bench SOURCES "${CMAKE_CURRENT_LIST_DIR}/replan_bench.cpp" LINKS cnc_server fmt::fmt)
