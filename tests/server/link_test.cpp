@@ -66,6 +66,52 @@ TEST_CASE("A quick stop overtakes everything, and what it dropped counts as done
   CHECK(f.recording.calls == Calls{"quick stop", "segment 101"});
 }
 
+TEST_CASE("A cut overtakes the segments that it replaces and travels with the new ones",
+          "[LNK-8][JOB-8]") {
+  Fixture f;
+  f.recording.room = 2;
+  f.push_segments(1, 6);
+  f.link.cycle(0.0);
+  f.link.push(SetOutputs{{.spindle_on = true}});
+  REQUIRE(f.link.begin_cut(4));
+  f.push_segments(101, 102);
+  f.link.commit_cut();
+  f.push_segments(103, 103);
+  f.recording.room = 10;
+  f.link.cycle(0.002);
+  CHECK(f.recording.calls == Calls{"segment 1", "segment 2", "segment 3", "segment 4", "spindle on",
+                                   "cut behind 4", "segment 101", "segment 102", "segment 103"});
+  CHECK(f.link.status().items_done == f.link.pushed());
+  CHECK(f.link.status().interval == Approx(0.002));
+}
+
+TEST_CASE("Before it is committed a cut and what follows it wait, the old path goes on",
+          "[LNK-8][JOB-8]") {
+  Fixture f;
+  f.push_segments(1, 3);
+  REQUIRE(f.link.begin_cut(1));
+  f.push_segments(101, 101);
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls == Calls{"segment 1", "segment 2", "segment 3"});
+  f.link.commit_cut();
+  f.link.cycle(0.002);
+  CHECK(f.recording.calls ==
+        Calls{"segment 1", "segment 2", "segment 3", "cut behind 1", "segment 101"});
+}
+
+TEST_CASE("A cut that a quick stop has dropped leaves nothing behind", "[LNK-8][safety]") {
+  Fixture f;
+  f.push_segments(1, 3);
+  REQUIRE(f.link.begin_cut(1));
+  f.push_segments(101, 101);
+  f.link.quick_stop();
+  f.link.cycle(0.0);
+  f.link.commit_cut();  // the executor did not know yet
+  f.push_segments(201, 202);
+  f.link.cycle(0.002);
+  CHECK(f.recording.calls == Calls{"quick stop", "segment 201", "segment 202"});
+}
+
 TEST_CASE("A board in fault gets nothing but the order to clear it", "[LNK-4][safety]") {
   Fixture f;
   f.recording.room = 0;
