@@ -35,6 +35,15 @@ Finding check_port_unique(const MachineConfig& config, Axis axis) {
   return std::nullopt;
 }
 
+Finding check_master(const MachineConfig& config, Axis axis) {
+  const Axis master = config.moved_by(axis);
+  if (master == axis || config.axes[master].connected()) return std::nullopt;
+  return Error{ErrorCode::config_slave_without_master,
+               fmt::format("{}, but axis {} has no motor of its own.", shown(config, axis, "mode"),
+                           axis_name(master)),
+               std::nullopt};
+}
+
 Finding check_steps(const MachineConfig& config, Axis axis) {
   if (config.axes[axis].steps_per_unit != 0.0) return std::nullopt;
   return Error{ErrorCode::config_steps_zero,
@@ -116,6 +125,8 @@ constexpr std::array kAxisRules{
     Rule{"homePosition", check_home_position}, Rule{"velocity", check_step_frequency},
 };
 
+constexpr Rule kSlaveRule{"mode", check_master};
+
 struct MachineRule {
   std::string_view section;
   Rule rule;
@@ -139,6 +150,7 @@ std::vector<ConfigConflict> find_conflicts(const MachineConfig& config) {
   for (const Axis axis : kAllAxes) {
     if (!config.axes[axis].connected()) continue;
     for (const Rule& rule : kAxisRules) run(rule, axis_section(axis), config, axis, conflicts);
+    if (is_rotary(axis)) run(kSlaveRule, axis_section(axis), config, axis, conflicts);
   }
   for (const auto& [section, rule] : kMachineRules) run(rule, section, config, Axis::X, conflicts);
   return conflicts;

@@ -6,6 +6,7 @@
 
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "config/axis.h"
 
@@ -13,9 +14,27 @@ namespace cnc::config {
 
 enum class MachineUnit : std::uint8_t { millimetre, inch };
 
+/// CFG-24: at this position of the machine a measurement finds it in truth there.
+struct PitchPoint {
+  double machine = 0.0;
+  double calibrated = 0.0;
+
+  friend bool operator==(const PitchPoint&, const PitchPoint&) = default;
+};
+
+/// CFG-3: what the motor of a rotary axis' section does.
+enum class AxisMode : std::uint8_t {
+  axis,     ///< moves the axis of its own letter
+  slave_x,  ///< a second motor of X, as of a gantry; its lengths are mm
+  slave_y,
+  slave_z,
+  mill,  ///< A turns the work piece about work Y0 Z0; F is the speed of the tool's tip on it
+};
+
 /// CFG-2: one motor axis.
 struct AxisConfig {
-  bool visible = false;           ///< shown on screens
+  bool visible = false;  ///< shown on screens
+  AxisMode mode = AxisMode::axis;
   std::int32_t port = 0;          ///< output port of the board, 1 … 6; 0 = not connected
   double steps_per_unit = 100.0;  ///< negative reverses the motor; mm or degree
   double negative_limit = 0.0;    ///< machine coordinates
@@ -23,10 +42,17 @@ struct AxisConfig {
   double velocity = 50.0;       ///< per second
   double acceleration = 200.0;  ///< per second squared
   double backlash = 0.0;
-  double home_velocity = 0.0;  ///< signed: direction of the search; 0 = homed by hand
-  double home_position = 0.0;  ///< machine position where the home switch releases
+  bool pitch_compensation = false;
+  std::vector<PitchPoint> pitch_table{};  ///< of the file of its own (pitch_table.h); empty: none
+  double home_velocity = 0.0;           ///< signed: direction of the search; 0 = homed by hand
+  double home_position = 0.0;           ///< machine position where the home switch releases
 
+  /// There is a motor.
   [[nodiscard]] bool connected() const { return port != 0; }
+  /// Programs and the operator can move it; a slave only follows.
+  [[nodiscard]] bool programmable() const {
+    return connected() && (mode == AxisMode::axis || mode == AxisMode::mill);
+  }
 
   friend bool operator==(const AxisConfig&, const AxisConfig&) = default;
 };
@@ -44,6 +70,7 @@ struct TrajectoryConfig {
   double laf_angle = 1.0;             ///< degrees
   double path_tolerance = 0.02;       ///< mm; of G64 without P
   double tolerance_use = 1.0;         ///< 0 … 1
+  double backlash_share = 0.25;       ///< of velocity and acceleration, kept for taking up play
 
   friend bool operator==(const TrajectoryConfig&, const TrajectoryConfig&) = default;
 };
@@ -121,6 +148,22 @@ struct MachineConfig {
   HeadOffset spindle_2;  ///< M92 M93
   HeadOffset probe;      ///< M95
   HeadOffset camera;     ///< M97
+
+  /// The axis that this motor moves: its own, or its master's.
+  [[nodiscard]] Axis moved_by(Axis motor) const {
+    switch (axes[motor].mode) {
+      case AxisMode::axis:
+      case AxisMode::mill:
+        return motor;
+      case AxisMode::slave_x:
+        return Axis::X;
+      case AxisMode::slave_y:
+        return Axis::Y;
+      case AxisMode::slave_z:
+        return Axis::Z;
+    }
+    return motor;
+  }
 
   friend bool operator==(const MachineConfig&, const MachineConfig&) = default;
 };

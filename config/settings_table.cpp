@@ -1,5 +1,5 @@
 // The rows of the settings table. The settings of an axis are written once and stand in the table
-// six times, with the units of a rotary axis for A, B and C.
+// six times, with the units of a rotary axis for A, B and C; those of rotary axes three times.
 #include <algorithm>
 #include <array>
 
@@ -49,6 +49,14 @@ constexpr std::array kDialectChoices{
     Choice{"pscnc", static_cast<double>(ProgramDialect::pscnc)},
 };
 
+constexpr std::array kModeChoices{
+    Choice{"rot", static_cast<double>(AxisMode::axis)},
+    Choice{"slaveX", static_cast<double>(AxisMode::slave_x)},
+    Choice{"slaveY", static_cast<double>(AxisMode::slave_y)},
+    Choice{"slaveZ", static_cast<double>(AxisMode::slave_z)},
+    Choice{"mill4", static_cast<double>(AxisMode::mill)},  // the last: of A only
+};
+
 constexpr std::array kStepFrequencyChoices{
     Choice{"25000", 25'000},   Choice{"50000", 50'000},   Choice{"100000", 100'000},
     Choice{"125000", 125'000}, Choice{"200000", 200'000}, Choice{"400000", 400'000},
@@ -93,12 +101,21 @@ constexpr std::array kAxisRows{
     Setting{.key = "backlash", .unit = length, .min = 0, .max = 10,
             .help = "Play between motor and axis that is made up for at every reversal; above 0.1 mm mend the machine first.",
             .access = kOfAxis<&AxisConfig::backlash>},
+    Setting{.key = "pitchCompensationOn", .type = toggle,
+            .help = "Correct the motor by its table, a file beside this one: Joint-X-pitchCompTable.txt with the axis' letter.",
+            .access = kOfAxis<&AxisConfig::pitch_compensation>},
     Setting{.key = "homeVelocity", .unit = length_per_second, .min = -kFastest, .max = kFastest,
             .help = "Velocity of the search for the home switch; its sign is the direction, 0 means that the axis is homed by hand.",
             .access = kOfAxis<&AxisConfig::home_velocity>},
     Setting{.key = "homePosition", .unit = length, .min = -kFarthest, .max = kFarthest,
             .help = "Machine position at the edge of the home switch; it may lie outside of the limits.",
             .access = kOfAxis<&AxisConfig::home_position>},
+};
+
+constexpr std::array kRotaryRows{
+    Setting{.key = "mode", .type = choice, .choices = kModeChoices,
+            .help = "rot: a rotary axis; slaveX, slaveY or slaveZ: a second motor of that axis (gantry), whose lengths are mm where degrees are written; mill4 (A only): A turns the work piece about work Y0 Z0, and F is the speed of the tool's tip on it.",
+            .access = kOfAxis<&AxisConfig::mode>},
 };
 
 constexpr std::array kMotionRows{
@@ -117,6 +134,9 @@ constexpr std::array kMotionRows{
     Setting{.section = "TRAJECTORY", .key = "toleranceUse", .min = 0, .max = 1,
             .help = "Part of the G64 tolerance that the path uses on average: 1 is fastest, with less the path stays nearer to the programmed one.",
             .access = kOf<&MachineConfig::trajectory, &TrajectoryConfig::tolerance_use>},
+    Setting{.section = "TRAJECTORY", .key = "backlashShare", .min = 0.05, .max = 0.5,
+            .help = "Part of the velocity and acceleration of an axis with backlash that is kept for taking up its play.",
+            .access = kOf<&MachineConfig::trajectory, &TrajectoryConfig::backlash_share>},
     Setting{.section = "SPINDLE_0", .key = "spindleNmax", .unit = rpm, .min = 1, .max = 1'000'000,
             .help = "Speed of the spindle when the PWM signal is at 100 %.",
             .access = kOf<&MachineConfig::spindle, &SpindleConfig::max_speed>},
@@ -243,15 +263,20 @@ constexpr Setting for_axis(Setting row, Axis axis) {
   row.section = kAxisSections[axis];
   row.axis = axis;
   if (is_rotary(axis)) row.unit = rotary_unit(row.unit);
+  if (row.type == choice && axis != Axis::A)
+    row.choices = row.choices.first(row.choices.size() - 1);
   return row;
 }
 
 constexpr auto expanded_table() {
-  std::array<Setting, kGeneralRows.size() + kAxisCount * kAxisRows.size() + kMotionRows.size()>
+  std::array<Setting, kGeneralRows.size() + kAxisCount * kAxisRows.size() +
+                          kRotaryAxes.size() * kRotaryRows.size() + kMotionRows.size()>
       table{};
   auto out = std::ranges::copy(kGeneralRows, table.begin()).out;
   for (const Axis axis : kAllAxes) {
     for (const Setting& row : kAxisRows) *out++ = for_axis(row, axis);
+    if (!is_rotary(axis)) continue;
+    for (const Setting& row : kRotaryRows) *out++ = for_axis(row, axis);
   }
   std::ranges::copy(kMotionRows, out);
   return table;

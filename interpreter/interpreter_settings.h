@@ -35,6 +35,9 @@ struct InterpreterSettings {
   bool automatic_tool_change = true;  ///< M6 calls the sub change_tool where there is one
   DialectId dialect = DialectId::eding;
   Library library;             ///< macro files; user_macro behind macro
+  /// F of a move that turns rotary axes is the speed of the tool on the work piece, also where
+  /// nothing else moves: a length, not degrees, per minute (a mill with a fourth axis).
+  bool feed_at_tip = false;
   bool is_3d_printer = false;  ///< M1 switches heaters off; unknown M codes are ignored
   bool strict = false;  ///< what the manual does not allow is refused, not tolerated with a warning
   MachineFacts machine{};

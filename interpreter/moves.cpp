@@ -98,7 +98,7 @@ Accepted check_rotary_axes_stay(const Execution& x, const Position& end, ErrorCo
 void use_feed_for(Execution& x, const Position& end) {
   ModalState& modal = x.state().modal;
   if (modal.feed_mode == FeedMode::inverse_time || modal.linear_feed == modal.rotary_feed) return;
-  const bool rotary = turns_rotary_axes_only(x.state().position, end);
+  const bool rotary = !x.settings().feed_at_tip && turns_rotary_axes_only(x.state().position, end);
   const double wanted = rotary ? modal.rotary_feed : modal.linear_feed;
   if (modal.feed == wanted) return;
   modal.feed = wanted;

@@ -1,6 +1,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 
+#include "config/pitch_table.h"
 #include "server/cncsim/options.h"
 #include "server/daemon/shipped_files.h"
 
@@ -24,10 +25,13 @@ std::expected<MachineData, config::Errors> load_machine(const SimInput& input) {
   auto config = input.config.empty() ? config::parse_machine_config(
                                            shipped_cnc_ini(), "shipped cnc.ini", input.settings)
                                      : config::load_machine_config(input.config, input.settings);
-  if (config)
+  if (config) {
     data.config = std::move(*config);
-  else
+    const auto tables = config::load_pitch_tables(data.config, input.config.parent_path());
+    if (!tables) errors.push_back(tables.error());
+  } else {
     errors = config.error();
+  }
 
   auto parameters = load_or_parse<config::ParameterStore>(input.parameters, shipped_parameters());
   if (parameters)

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "config/atomic_file.h"
+#include "config/pitch_table.h"
 #include "server/daemon/shipped_files.h"
 
 namespace cnc::server {
@@ -90,10 +91,13 @@ std::expected<MachineData, config::Errors> DataFolder::load(
       errors.push_back(loaded.error());
   };
   auto config = config::load_machine_config(data.config_file, overrides);
-  if (config)
+  if (config) {
     data.config = std::move(*config);
-  else
+    const auto tables = config::load_pitch_tables(data.config, data.config_file.parent_path());
+    if (!tables) errors.push_back(tables.error());
+  } else {
     errors = config.error();
+  }
   take(config::ParameterStore::load(data.parameter_file), data.parameters);
   take(config::ToolTable::load(folder_ / kToolFile), data.tools);
   if (!errors.empty()) return std::unexpected(std::move(errors));

@@ -6,6 +6,7 @@
 
 #include "server/job/job_control.h"
 #include "server/job/overloaded.h"
+#include "server/job/settings.h"
 
 namespace cnc::server {
 
@@ -149,18 +150,36 @@ Result<void> JobControl::change_height_map(const interp::ChangeHeightMap& change
   using enum interp::HeightMapCommand;
   switch (change.command) {
     case begin:
+      if (feed_.surface())
+        return fail(ErrorCode::height_map_unusable,
+                    "A new height map cannot be measured while one is followed: ZHC OFF first.");
       height_map_ = HeightMap(change.grid_size, change.columns, change.rows);
       return {};
     case add_point:
       return height_map_.add(probe_position_);
     case store:
       return files_.write(name, height_map_.to_text());
-    case on:
+    case on: {
+      if (!config_.axes[Axis::Z].programmable())
+        return fail(ErrorCode::not_on_this_machine, "A height map needs a Z axis.");
+      auto surface = height_map_.surface();
+      if (!surface) return std::unexpected(std::move(surface.error()));
+      return follow(std::move(*surface));
+    }
     case off:
-      break;
+      return follow(nullptr);
   }
-  return fail(ErrorCode::not_on_this_machine,
-              "This machine cannot compensate Z by a height map yet.");
+  return {};
+}
+
+/// The planner's limits change with what is left to it.
+Result<void> JobControl::follow(std::shared_ptr<const motion::HeightSurface> surface) {
+  if (auto used = feed_.use_surface(std::move(surface)); !used) return used;
+  planner_ = motion::Planner(job_planner_settings(config_, feed_.limits()), feed_.commanded());
+  apply_overrides();
+  const motion::HeightSurface* map = feed_.surface();
+  runner_.set_height_range(map ? map->lowest() : 0.0, map ? map->highest() : 0.0);
+  return {};
 }
 
 }  // namespace cnc::server

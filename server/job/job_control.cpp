@@ -20,7 +20,7 @@ JobControl::JobControl(const config::MachineConfig& config, interp::Interpreter&
       io_(io),
       files_(files),
       log_(log),
-      planner_(job_planner_settings(config), Position{}),
+      planner_(job_planner_settings(config, feed.limits()), Position{}),
       runner_(config, interpreter, planner_),
       home_is_estop_(config.safety.home_sensor_is_estop),
       probe_(config, feed) {}
@@ -61,7 +61,7 @@ void JobControl::go_on(interp::Answer answer) {
   answer.live = {.probe = board.inputs.probe,
                  .hand_wheel = static_cast<double>(board.inputs.hand_wheel_count),
                  .spindle_speed = board.spindle_speed / kSecondsPerMinute,
-                 .height_map = false};
+                 .height_map = feed_.surface() != nullptr};
   runner_.action_done(answer);
   feed_.begin_motion(AxisArray<bool>::filled(true));
 }
@@ -94,7 +94,7 @@ void JobControl::home_done() { go_on({}); }
 
 void JobControl::abandon() {
   // A new planner: the old one may have been interrupted in full motion.
-  planner_ = motion::Planner(job_planner_settings(config_), feed_.commanded());
+  planner_ = motion::Planner(job_planner_settings(config_, feed_.limits()), feed_.commanded());
   runner_.abandon();
   probe_.drop();
   notes_.clear();

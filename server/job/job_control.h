@@ -124,6 +124,7 @@ class JobControl {
   void go_on(interp::Answer answer);
   [[nodiscard]] Result<void> change_height_map(const interp::ChangeHeightMap& change,
                                                const std::string& name);
+  [[nodiscard]] Result<void> follow(std::shared_ptr<const motion::HeightSurface> surface);
   [[nodiscard]] JobSignal finish(JobSignal how);
   void show_due_notes();
   void withdraw_notes();

@@ -1,5 +1,6 @@
 // Moves of the interpreter become moves of the planner: with their feed, inside of the travel.
 #include <cmath>
+#include <numbers>
 #include <utility>
 #include <variant>
 
@@ -27,7 +28,7 @@ void JobRunner::queue_thread(bool goes_on) {
 Result<void> JobRunner::queue_sync_move(const interp::Command& command, bool goes_on) {
   const auto& move = std::get<interp::SyncMove>(command.body);
   const double rpm = mode_ == interp::RunMode::run ? measured_speed_ : 60.0 * turns_per_second();
-  motion::MoveOptions options = options_for(command, motion::MoveKind::feed, move.end);
+  motion::MoveOptions options = options_for(command, motion::MoveKind::feed);
   options.feed = move.pitch * rpm / 60.0;
   options.follows_override = false;
   options.stop_at_end = !goes_on;
@@ -44,22 +45,28 @@ Result<void> JobRunner::queue_motion(const interp::Command& command) {
   return std::visit(
       Overloaded{
           [&](const interp::RapidMove& move) -> Result<void> {
-            return queue_line(move.end, options_for(command, motion::MoveKind::rapid, move.end));
+            return queue_line(move.end, options_for(command, motion::MoveKind::rapid));
           },
           [&](const interp::FeedMove& move) -> Result<void> {
-            return queue_line(move.end, options_for(command, motion::MoveKind::feed, move.end));
+            return queue_feed_line(command, move.end);
           },
           [&](const interp::ProbeMove& move) -> Result<void> {
-            return queue_line(move.end, options_for(command, motion::MoveKind::feed, move.end));
+            return queue_feed_line(command, move.end);
           },
           [&](const interp::ArcMove& move) -> Result<void> {
             return queue_arc(
                 {move.end, move.plane, move.first_centre, move.second_centre, move.turns},
-                options_for(command, motion::MoveKind::feed, move.end));
+                options_for(command, motion::MoveKind::feed));
           },
           [](const auto&) -> Result<void> { return {}; },
       },
       command.body);
+}
+
+Result<void> JobRunner::queue_feed_line(const interp::Command& command, const Position& end) {
+  motion::MoveOptions options = options_for(command, motion::MoveKind::feed);
+  options.feed = feed_of_line(end);
+  return queue_line(end, options);
 }
 
 Result<void> JobRunner::queue_line(const Position& end, const motion::MoveOptions& options) {
@@ -72,10 +79,10 @@ Result<void> JobRunner::queue_line(const Position& end, const motion::MoveOption
   return planner_.add_line(end, options);
 }
 
-Result<void> JobRunner::queue_arc(const motion::ArcShape& shape,
-                                  const motion::MoveOptions& options) {
+Result<void> JobRunner::queue_arc(const motion::ArcShape& shape, motion::MoveOptions options) {
   const auto arc = motion::make_arc(planner_.queue_end(), shape);
   if (!arc) return std::unexpected(arc.error());
+  if (feed_depends_on_way()) options.feed = feed_along(*arc);
   const auto extents = motion::extents_of_arc(*arc);
   if (auto inside = check_space(extents); !inside) return inside;
   if (guards_tool_change_) {
@@ -88,14 +95,16 @@ Result<void> JobRunner::queue_arc(const motion::ArcShape& shape,
 /// MCAGuard off concerns rendering only: a run never leaves the travel.
 Result<void> JobRunner::check_space(const motion::Extents& extents) const {
   if (!guards_machine_ && mode_ != interp::RunMode::run) return {};
-  return check_travel(config_, extents);
+  motion::Extents space = extents;
+  space.min[Axis::Z] += lowest_added_;
+  space.max[Axis::Z] += highest_added_;
+  return check_travel(config_, space);
 }
 
-motion::MoveOptions JobRunner::options_for(const interp::Command& command, motion::MoveKind kind,
-                                           const Position& end) {
+motion::MoveOptions JobRunner::options_for(const interp::Command& command, motion::MoveKind kind) {
   motion::MoveOptions options;
   options.kind = kind;
-  options.feed = feed_for(end);
+  options.feed = feed_.feed;
   options.stop_at_end = path_mode_.mode == interp::PathMode::exact_stop;
   options.laf_angle = path_mode_.laf_angle;
   if (path_mode_.mode == interp::PathMode::continuous) {
@@ -117,13 +126,53 @@ double JobRunner::turns_per_second() const {
   return rpm / kSecondsPerMinute;
 }
 
-/// The feed along the path in mm/s. Inverse time: the whole move takes 1/F.
-double JobRunner::feed_for(const Position& end) const {
-  if (feed_.mode == interp::FeedMode::per_revolution) return feed_.feed * turns_per_second();
-  if (feed_.mode == interp::FeedMode::per_minute) return feed_.feed;
-  const Position way = end - planner_.queue_end();
-  const double length = linear_length(way);
-  return feed_.feed * (length > 0.0 ? length : rotary_length(way));
+double JobRunner::feed_of_line(const Position& end) const {
+  return feed_depends_on_way() ? feed_along(motion::Line(planner_.queue_end(), end)) : feed_.feed;
+}
+
+/// Per minute F is the feed itself, unless it is that of the tip over a turning work piece.
+bool JobRunner::feed_depends_on_way() const {
+  return feed_.mode != interp::FeedMode::per_minute ||
+         config_.axes[Axis::A].mode == config::AxisMode::mill;
+}
+
+/// The feed along the path, per second of what its length measures. Inverse time: the whole move
+/// takes 1/F. With a fourth axis the tip's mean speed on the work piece is F.
+double JobRunner::feed_along(const motion::Curve& curve) const {
+  const double length = motion::length_of(curve);
+  if (length == 0.0) return feed_.feed;  // the move vanishes
+  if (feed_.mode == interp::FeedMode::inverse_time) return feed_.feed * length;
+  const double feed =
+      feed_.mode == interp::FeedMode::per_revolution ? feed_.feed * turns_per_second() : feed_.feed;
+  const double way = tip_way(curve);
+  if (feed * length >= motion::kLargestFeed * way) return motion::kLargestFeed;
+  return feed * length / way;
+}
+
+/// How far the tip goes on the work piece. A turns it about work Y0 Z0; seen from there the tip
+/// moves with v + omega x r. Gauss' rule of two points in each of 16 parts.
+double JobRunner::tip_way(const motion::Curve& curve) const {
+  const double length = motion::length_of(curve);
+  const bool turns = motion::tangent_of(curve, 0.0)[Axis::A] != 0.0;
+  if (!turns || config_.axes[Axis::A].mode != config::AxisMode::mill) return length;
+  constexpr int kParts = 16;
+  constexpr double kRadian = std::numbers::pi / 180.0;
+  const double part = length / kParts;
+  const double gauss = 0.5 / std::numbers::sqrt3;
+  double way = 0.0;
+  for (int i = 0; i < kParts; ++i) {
+    for (const double place : {i + 0.5 - gauss, i + 0.5 + gauss}) {
+      const Position point = motion::point_of(curve, place * part);
+      const Position tangent = motion::tangent_of(curve, place * part);
+      const Position at = interpreter_.to_work(point);
+      const Position v = interpreter_.to_work(point + tangent) - at;
+      const double omega = kRadian * tangent[Axis::A];
+      way += 0.5 * part *
+             std::hypot(v[Axis::X], v[Axis::Y] - omega * at[Axis::Z],
+                        v[Axis::Z] + omega * at[Axis::Y]);
+    }
+  }
+  return way;
 }
 
 }  // namespace cnc::server

@@ -56,7 +56,9 @@ class JobRunner {
   [[nodiscard]] const motion::Setpoint& setpoint() const { return setpoint_; }
   [[nodiscard]] const JobEvent& event() const { return event_; }
   /// The feed of a probe move that is in hand, mm/s.
-  [[nodiscard]] double feed_of(const interp::ProbeMove& move) const { return feed_for(move.end); }
+  [[nodiscard]] double feed_of(const interp::ProbeMove& move) const {
+    return feed_of_line(move.end);
+  }
   [[nodiscard]] const Error& error() const { return *error_; }
   /// The speed that the spindle was measured to turn at, rpm: for the synchronised move in hand.
   void set_measured_speed(double rpm) { measured_speed_ = rpm; }
@@ -84,6 +86,11 @@ class JobRunner {
 
   /// Drops what is left of the program. Only when standing still.
   void abandon();
+  /// What a height map may add to Z: moves stay as far away from the ends of its travel.
+  void set_height_range(double lowest, double highest) {
+    lowest_added_ = lowest;
+    highest_added_ = highest;
+  }
   [[nodiscard]] bool running() const { return running_; }
 
  private:
@@ -98,15 +105,18 @@ class JobRunner {
   [[nodiscard]] bool is_motion(const interp::CommandBody& body) const;
   [[nodiscard]] Result<void> queue_motion(const interp::Command& command);
   [[nodiscard]] Result<void> queue_line(const Position& end, const motion::MoveOptions& options);
-  [[nodiscard]] Result<void> queue_arc(const motion::ArcShape& shape,
-                                       const motion::MoveOptions& options);
+  [[nodiscard]] Result<void> queue_feed_line(const interp::Command& command, const Position& end);
+  [[nodiscard]] Result<void> queue_arc(const motion::ArcShape& shape, motion::MoveOptions options);
   [[nodiscard]] motion::MoveOptions options_for(const interp::Command& command,
-                                                motion::MoveKind kind, const Position& end);
+                                                motion::MoveKind kind);
   void take_sync_move(const interp::Command& command);
   void queue_thread(bool goes_on);
   [[nodiscard]] Result<void> queue_sync_move(const interp::Command& command, bool goes_on);
   [[nodiscard]] Result<void> check_space(const motion::Extents& extents) const;
-  [[nodiscard]] double feed_for(const Position& end) const;
+  [[nodiscard]] double feed_of_line(const Position& end) const;
+  [[nodiscard]] bool feed_depends_on_way() const;
+  [[nodiscard]] double feed_along(const motion::Curve& curve) const;
+  [[nodiscard]] double tip_way(const motion::Curve& curve) const;
   [[nodiscard]] double turns_per_second() const;
   void fail_with(Error error, interp::SourceLine source);
   [[nodiscard]] bool item_is_due() const;
@@ -123,6 +133,8 @@ class JobRunner {
   interp::RunMode mode_ = interp::RunMode::run;
   bool guards_machine_ = true;
   bool guards_tool_change_ = true;
+  double lowest_added_ = 0.0;  // to Z, by a height map
+  double highest_added_ = 0.0;
   double spindle_speed_ = 0.0;                            // programmed, rpm
   std::optional<interp::UseSurfaceSpeed> surface_speed_;  // instead of it
 

@@ -3,6 +3,7 @@
 
 #include "config/machine_config.h"
 #include "interpreter/interpreter.h"
+#include "motion/compensation.h"
 #include "motion/planner.h"
 
 namespace cnc::server {
@@ -46,6 +47,7 @@ namespace cnc::server {
   settings.strict = config.interpreter.strict;
   settings.diameter_programming = config.interpreter.diameter_programming;
   settings.front_tool_post = config.interpreter.front_tool_post;
+  settings.feed_at_tip = config.axes[Axis::A].mode == config::AxisMode::mill;
   settings.is_3d_printer = config.interpreter.is_3d_printer;
   settings.default_unit = config.unit == config::MachineUnit::inch ? interp::LengthUnit::inch
                                                                    : interp::LengthUnit::millimetre;
@@ -54,7 +56,7 @@ namespace cnc::server {
   return settings;
 }
 
-[[nodiscard]] inline motion::AxisLimits axis_limits(const config::MachineConfig& config) {
+[[nodiscard]] inline motion::AxisLimits motor_limits(const config::MachineConfig& config) {
   motion::AxisLimits limits;
   for (const Axis axis : kAllAxes) {
     const config::AxisConfig& from = config.axes[axis];
@@ -64,18 +66,43 @@ namespace cnc::server {
   return limits;
 }
 
-[[nodiscard]] inline motion::PlannerSettings planner_settings(const config::MachineConfig& config) {
-  return {.limits = axis_limits(config),
+[[nodiscard]] inline motion::CompensationSettings compensation_settings(
+    const config::MachineConfig& config) {
+  motion::CompensationSettings settings{.joint_limits = motor_limits(config),
+                                        .backlash_share = config.trajectory.backlash_share,
+                                        .longest_setpoint = config.trajectory.interpolation_time};
+  for (const Axis motor : kAllAxes) {
+    const config::AxisConfig& from = config.axes[motor];
+    if (!from.connected()) continue;
+    settings.motor_axes[motor] = config.moved_by(motor);
+    settings.backlash[motor] = from.backlash;
+    if (!from.pitch_table.empty()) settings.pitch[motor] = motion::PitchCurve(from.pitch_table);
+  }
+  return settings;
+}
+
+/// What plans may use of the axes, with `limits` as MotionFeed has them.
+[[nodiscard]] inline motion::PlannerSettings planner_settings(const config::MachineConfig& config,
+                                                              const motion::AxisLimits& limits) {
+  return {.limits = limits,
           .max_setpoint_duration = config.trajectory.interpolation_time,
           .laf_angle = config.trajectory.laf_angle,
           .tolerance_use = config.trajectory.tolerance_use};
 }
 
+/// Without a height map.
+[[nodiscard]] inline motion::AxisLimits axis_limits(const config::MachineConfig& config) {
+  return motion::Compensation(compensation_settings(config)).machine_limits();
+}
+[[nodiscard]] inline motion::PlannerSettings planner_settings(const config::MachineConfig& config) {
+  return planner_settings(config, axis_limits(config));
+}
+
 /// For a job whose setpoints wait in the board's FIFO and can be replaced there. More than link and
 /// board hold together.
 [[nodiscard]] inline motion::PlannerSettings job_planner_settings(
-    const config::MachineConfig& config) {
-  motion::PlannerSettings settings = planner_settings(config);
+    const config::MachineConfig& config, const motion::AxisLimits& limits) {
+  motion::PlannerSettings settings = planner_settings(config, limits);
   settings.most_taken_back = 8192;
   return settings;
 }

@@ -37,7 +37,7 @@ Result<void> check_thread_speed(const config::MachineConfig& config, const Posit
   for (const Axis axis : kLinearAxes) {
     const double speed = feed * std::abs(way[axis]) / length;
     const double limit = kRoom * config.axes[axis].velocity;
-    if (speed <= limit || !config.axes[axis].connected()) continue;
+    if (speed <= limit || !config.axes[axis].programmable()) continue;
     return fail(ErrorCode::thread_too_fast,
                 fmt::format("At the spindle's speed {} would have to move at {:.3f} mm/s; {:.3f} "
                             "are possible for a thread.",
@@ -80,7 +80,7 @@ Result<void> check_travel(const config::MachineConfig& config, const motion::Ext
     const config::AxisConfig& limits = config.axes[axis];
     const double low = extents.min[axis];
     const double high = extents.max[axis];
-    if (!limits.connected()) {
+    if (!limits.programmable()) {
       if (low == high) continue;
       return fail(ErrorCode::axis_not_connected,
                   fmt::format("The move needs axis {}, which is not connected.", axis_name(axis)));

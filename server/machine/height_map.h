@@ -2,11 +2,13 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <string>
 #include <vector>
 
 #include "config/axis.h"
 #include "config/error.h"
+#include "motion/height_surface.h"
 
 namespace cnc::server {
 
@@ -19,6 +21,10 @@ class HeightMap {
   /// A point that the probe touched, machine coordinates. Refused before a grid was begun, and for
   /// more points than it has.
   Result<void> add(const Position& point);
+
+  /// What is to be added to Z: heights against the first point. Refused while a point is missing,
+  /// and for points that do not lie on a grid along X and Y.
+  [[nodiscard]] Result<std::shared_ptr<const motion::HeightSurface>> surface() const;
 
   [[nodiscard]] std::size_t size() const { return points_.size(); }
   /// "grid size columns rows", then "x y z" per point in the order in which they were measured.

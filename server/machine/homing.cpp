@@ -29,17 +29,19 @@ double travel_of(const config::AxisConfig& axis) {
 Homing::Homing(const config::MachineConfig& config, MotionFeed& feed)
     : config_(config),
       feed_(feed),
-      planner_(axis_limits(config), config.trajectory.interpolation_time, Position{}) {}
+      planner_(feed.limits(), config.trajectory.interpolation_time, Position{}) {}
 
 std::vector<Axis> Homing::default_order(const config::MachineConfig& config) {
   std::vector<Axis> order{Axis::Z, Axis::X, Axis::Y, Axis::A, Axis::B, Axis::C};
-  std::erase_if(order, [&](Axis axis) { return !config.axes[axis].connected(); });
+  std::erase_if(order, [&](Axis axis) { return !config.axes[axis].programmable(); });
   return order;
 }
 
 void Homing::start(std::vector<Axis> axes) {
   axes_ = std::move(axes);
   error_.reset();
+  planner_ =
+      motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
   feed_.begin_motion({});
   phase_ = Phase::next_axis;
 }
@@ -53,8 +55,8 @@ void Homing::stop() {
 void Homing::drop() {
   phase_ = Phase::idle;
   axes_.clear();
-  planner_ = motion::JogPlanner(axis_limits(config_), config_.trajectory.interpolation_time,
-                                feed_.commanded());
+  planner_ =
+      motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
 }
 
 std::optional<Axis> Homing::cycle() {

@@ -19,25 +19,22 @@ constexpr double kUnhomedRate = 0.05;
 JogControl::JogControl(const config::MachineConfig& config, MotionFeed& feed)
     : config_(config),
       feed_(feed),
-      planner_(axis_limits(config), config.trajectory.interpolation_time, Position{}) {}
+      planner_(feed.limits(), config.trajectory.interpolation_time, Position{}) {}
 
 /// The first command of a motion: from where the machine stands, within the travel of homed axes.
 void JogControl::begin(const AxisArray<bool>& homed) {
   if (active_) return;
   error_.reset();
-  planner_.set_position(feed_.commanded());
-  for (const Axis axis : kAllAxes) {
-    const config::AxisConfig& limits = config_.axes[axis];
-    planner_.set_travel(
-        axis, homed[axis] ? motion::TravelRange{limits.negative_limit, limits.positive_limit}
-                          : motion::TravelRange{});
-  }
+  planner_ =
+      motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
+  const motion::Extents travel = feed_.travel(homed);
+  for (const Axis axis : kAllAxes) planner_.set_travel(axis, {travel.min[axis], travel.max[axis]});
   feed_.begin_motion(homed);
 }
 
 double JogControl::allowed_rate(double rate, const AxisArray<bool>& homed) const {
   const bool all_homed = std::ranges::all_of(
-      kAllAxes, [&](Axis axis) { return homed[axis] || !config_.axes[axis].connected(); });
+      kAllAxes, [&](Axis axis) { return homed[axis] || !config_.axes[axis].programmable(); });
   const double highest = config_.safety.homing_mandatory && !all_homed ? kUnhomedRate : 1.0;
   return std::clamp(rate, -highest, highest);
 }
@@ -45,12 +42,12 @@ double JogControl::allowed_rate(double rate, const AxisArray<bool>& homed) const
 Result<void> JogControl::set_rates(const Position& rates, double until,
                                    const AxisArray<bool>& homed) {
   for (const Axis axis : kAllAxes)
-    if (rates[axis] != 0.0 && !config_.axes[axis].connected())
+    if (rates[axis] != 0.0 && !config_.axes[axis].programmable())
       return fail(ErrorCode::axis_not_connected,
                   "Axis " + std::string(axis_name(axis)) + " is not connected.");
   begin(homed);
   for (const Axis axis : kAllAxes) {
-    if (!config_.axes[axis].connected()) continue;
+    if (!config_.axes[axis].programmable()) continue;
     const double velocity = allowed_rate(rates[axis], homed) * config_.axes[axis].velocity;
     if (auto set = planner_.set_velocity(axis, velocity); !set) return set;
   }
@@ -63,7 +60,7 @@ Result<void> JogControl::set_rates(const Position& rates, double until,
 
 Result<void> JogControl::step(Axis axis, double distance, double rate,
                               const AxisArray<bool>& homed) {
-  if (!config_.axes[axis].connected())
+  if (!config_.axes[axis].programmable())
     return fail(ErrorCode::axis_not_connected,
                 "Axis " + std::string(axis_name(axis)) + " is not connected.");
   begin(homed);
@@ -99,8 +96,8 @@ void JogControl::cut(std::size_t count) {
 void JogControl::drop() {
   active_ = leased_ = replan_wanted_ = false;
   rates_ = {};
-  planner_ = motion::JogPlanner(axis_limits(config_), config_.trajectory.interpolation_time,
-                                feed_.commanded());
+  planner_ =
+      motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
 }
 
 void JogControl::draw() {

@@ -168,7 +168,7 @@ void Machine::begin_stop() {
 
 bool Machine::all_homed() const {
   return std::ranges::all_of(
-      kAllAxes, [&](Axis axis) { return homed_[axis] || !data_.config.axes[axis].connected(); });
+      kAllAxes, [&](Axis axis) { return homed_[axis] || !data_.config.axes[axis].programmable(); });
 }
 
 State Machine::resting_state() const {

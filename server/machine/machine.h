@@ -104,6 +104,10 @@ class Machine {
   void set_cut_listener(std::function<void(std::size_t)> listener) {
     feed_.set_cut_listener(std::move(listener));
   }
+  /// What the motors get for each setpoint.
+  void set_motor_listener(std::function<void(const motion::Setpoint&)> listener) {
+    feed_.set_motor_listener(std::move(listener));
+  }
   /// Every setpoint that leaves, for recorders.
   void set_setpoint_listener(std::function<void(const motion::Setpoint&)> listener) {
     feed_.set_listener(std::move(listener));

@@ -30,7 +30,7 @@ void Machine::home(std::vector<Axis> axes, Completion done) {
   const bool all = axes.empty();
   if (all) axes = Homing::default_order(data_.config);
   for (const Axis axis : axes)
-    if (!data_.config.axes[axis].connected())
+    if (!data_.config.axes[axis].programmable())
       return done(
           fail(ErrorCode::axis_not_connected,
                fmt::format("Axis {} is not connected; it cannot be homed.", axis_name(axis))));

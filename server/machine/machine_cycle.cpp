@@ -220,7 +220,7 @@ void Machine::home_for_job() {
                    fmt::format("{} has no slave axis: it is homed with \"home\".", axis_name(axis)),
                    std::nullopt});
   }
-  if (!data_.config.axes[axis].connected()) {
+  if (!data_.config.axes[axis].programmable()) {
     return refuse({ErrorCode::axis_not_connected,
                    fmt::format("Axis {} is not connected; it cannot be homed.", axis_name(axis)),
                    std::nullopt});

@@ -1,8 +1,10 @@
 #include "server/machine/motion_feed.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
+#include <utility>
 
 #include "server/job/settings.h"
 
@@ -12,14 +14,29 @@ namespace {
 /// Room kept in the link for commands: outputs, latches, faults to clear.
 constexpr std::size_t kReserve = 64;
 
-/// The travel of the limited axes; infinite for the others.
-motion::Extents travel_of(const config::MachineConfig& config, const AxisArray<bool>& limited) {
-  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+/// Two motors of an axis that stop together are apart by less than this many steps of theirs.
+constexpr double kSlaveTolerance = 2.0;
+
+Position slave_tolerance(const config::MachineConfig& config) {
+  Position tolerance;
+  for (const Axis motor : kAllAxes)
+    tolerance[motor] = kSlaveTolerance / std::abs(config.axes[motor].steps_per_unit);
+  return tolerance;
+}
+
+/// Of the motors of the limited axes; more by what compensation may add beyond the ends.
+motion::Extents motor_travel(const config::MachineConfig& config,
+                             const motion::Compensation& compensation,
+                             const AxisArray<bool>& limited) {
   motion::Extents travel{Position::filled(-kInfinite), Position::filled(kInfinite)};
-  for (const Axis axis : kAllAxes) {
-    if (!limited[axis] || !config.axes[axis].connected()) continue;
-    travel.min[axis] = config.axes[axis].negative_limit;
-    travel.max[axis] = config.axes[axis].positive_limit;
+  for (const Axis motor : kAllAxes) {
+    const Axis axis = compensation.kinematics().axis_of(motor);
+    if (!limited[axis] || !config.axes[axis].programmable()) continue;
+    const double skew = compensation.kinematics().skew(motor);
+    travel.min[motor] = config.axes[axis].negative_limit + skew - compensation.reach(motor);
+    travel.max[motor] = config.axes[axis].positive_limit + skew + compensation.reach(motor);
   }
   return travel;
 }
@@ -29,12 +46,38 @@ motion::Extents travel_of(const config::MachineConfig& config, const AxisArray<b
 MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config)
     : link_(link),
       config_(config),
-      check_(axis_limits(config), travel_of(config, {}), Position{}) {}
+      compensation_(compensation_settings(config)),
+      check_(limits(), travel({}), Position{}),
+      motor_check_(motor_limits(config), travel({}), Position{}),
+      void_state_(compensation_.state()) {
+  history_[0].state = void_state_;
+}
 
 void MotionFeed::update() {
   status_ = link_.status();
+  show_machine_positions();
   if (position_unknown_ && !status_.board.moving && status_.items_done == link_.pushed())
     accept_board_position();
+}
+
+/// In the compensation's state at the end of what the board executes.
+const motion::Compensation::State& MotionFeed::state_of_board() const {
+  const std::uint32_t id = status_.board.executing_id;
+  return id > void_id_ && sent(id).id == id ? sent(id).state : void_state_;
+}
+
+void MotionFeed::show_machine_positions() {
+  hal::ControllerStatus& board = status_.board;
+  const motion::Compensation::State& state = state_of_board();
+  motors_ = board.position;
+  board.position = compensation_.machine_at(motors_, state);
+  board.probe_latch.position = compensation_.machine_at(board.probe_latch.position, state);
+  for (const Axis axis : kAllAxes) {
+    hal::Latch& latch = board.home_latch[axis];
+    Position motors = motors_;
+    motors[axis] = latch.position;
+    if (latch.caught) latch.position = compensation_.machine_at(motors, state)[axis];
+  }
 }
 
 bool MotionFeed::wants_more(double lead) const {
@@ -42,30 +85,71 @@ bool MotionFeed::wants_more(double lead) const {
 }
 
 void MotionFeed::begin_motion(const AxisArray<bool>& limited) {
-  check_ = motion::SetpointCheck(axis_limits(config_), travel_of(config_, limited), commanded_);
+  check_ = motion::SetpointCheck(limits(), travel(limited), commanded_);
+  motor_check_ =
+      motion::SetpointCheck(motor_limits(config_), motor_travel(config_, compensation_, limited),
+                            compensation_.motors_at(commanded_));
+}
+
+/// With a height map Z keeps away from its ends by what the map may add.
+motion::Extents MotionFeed::travel(const AxisArray<bool>& limited) const {
+  motion::Extents travel{Position::filled(-kInfinite), Position::filled(kInfinite)};
+  for (const Axis axis : kAllAxes) {
+    if (!limited[axis] || !config_.axes[axis].programmable()) continue;
+    travel.min[axis] = config_.axes[axis].negative_limit;
+    travel.max[axis] = config_.axes[axis].positive_limit;
+  }
+  if (const motion::HeightSurface* map = surface()) {
+    travel.min[Axis::Z] -= map->lowest();
+    travel.max[Axis::Z] -= map->highest();
+  }
+  return travel;
 }
 
 Result<void> MotionFeed::emit(const motion::Setpoint& setpoint) {
   if (auto checked = check_.check(setpoint); !checked) return checked;
+  const motion::Setpoint motors = compensation_.apply(setpoint);
+  if (auto pushed = push(setpoint, motors, sent(last_id_).ordinal + 1); !pushed) return pushed;
+  return setpoint.velocity == Position{} ? settle() : Result<void>{};
+}
+
+/// Where the machine stands, what compensation has begun is brought to its end.
+Result<void> MotionFeed::settle() {
+  while (const auto motors = compensation_.settle()) {
+    motion::Setpoint standing;
+    standing.duration = motors->duration;
+    standing.position = commanded_;
+    standing.tag = sent(last_id_).tag;
+    if (auto pushed = push(standing, *motors, sent(last_id_).ordinal); !pushed) return pushed;
+  }
+  return {};
+}
+
+Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Setpoint& motors,
+                              std::uint64_t ordinal) {
+  if (auto checked = motor_check_.check(motors); !checked) return checked;
   const Sent& before = sent(last_id_);
   Sent next{.id = newest_id_ + 1,
             .before = before.id,
-            .ordinal = before.ordinal + 1,
+            .ordinal = ordinal,
             .end_time = before.end_time + setpoint.duration,
             .duration = setpoint.duration,
             .end = setpoint.position,
             .start_velocity = before.end_velocity,
             .end_velocity = setpoint.velocity,
             .tag = setpoint.tag,
-            .feed_limit = setpoint.feed_limit};
+            .feed_limit = setpoint.feed_limit,
+            .motors = motors.position,
+            .motor_velocity = motors.velocity,
+            .state = compensation_.state()};
   for (const Axis axis : kAllAxes)
     next.moves[axis] = setpoint.position[axis] != commanded_[axis] ||
                        next.start_velocity[axis] != 0.0 || next.end_velocity[axis] != 0.0;
   const motion::MoveTag& tag = setpoint.tag;
   const hal::Segment segment{.id = next.id,
                              .duration = setpoint.duration,
-                             .position = setpoint.position,
-                             .velocity = setpoint.velocity,
+                             .position = motors.position,
+                             .velocity = motors.velocity,
                              .wait_for_index = tag.begins_at_index && tag.id != before.tag.id,
                              .spindle_speed = tag.spindle_speed};
   if (!link_.push(segment))
@@ -74,6 +158,7 @@ Result<void> MotionFeed::emit(const motion::Setpoint& setpoint) {
   last_id_ = newest_id_ = next.id;
   commanded_ = setpoint.position;
   if (listener_) listener_(setpoint);
+  if (motor_listener_) motor_listener_(motors);
   return {};
 }
 
@@ -92,20 +177,25 @@ std::size_t MotionFeed::replaceable() {
   const double reached = executed_time() + patience_ * (2.0 * status_.interval + kLatest);
   std::size_t count = under_way();
   std::size_t in_time = 0;
-  for (const Sent* last = &sent(last_id_); count > 0; --count, last = &sent(last->before)) {
+  for (const Sent* last = &sent(last_id_); count > 0; last = &sent(last->before)) {
     if (last->tag.spindle_speed != 0.0) return 0;
-    if (sent(last->before).end_time >= reached) ++in_time;
+    const Sent& before = sent(last->before);
+    if (before.ordinal == last->ordinal) continue;
+    if (before.end_time >= reached) ++in_time;
+    --count;
   }
   return in_time;
 }
 
 void MotionFeed::begin_cut(std::size_t count) {
   std::uint32_t id = last_id_;
-  for (std::size_t i = 0; i < count; ++i) id = sent(id).before;
+  const std::uint64_t kept = sent(id).ordinal - count;
+  std::size_t told = 0;
+  for (; sent(id).ordinal > kept; id = sent(id).before) ++told;
   link_.begin_cut(id);
   cut_ = {link_.pushed(), id, last_id_, CutAnswer::pending};
   go_on_behind(id);
-  if (cut_listener_) cut_listener_(count);
+  if (cut_listener_) cut_listener_(told);
 }
 
 CutAnswer MotionFeed::cut_answer() {
@@ -121,7 +211,9 @@ CutAnswer MotionFeed::cut_answer() {
 /// The board goes on with what it had.
 void MotionFeed::revoke_cut() {
   if (cut_listener_) {
-    cut_listener_(static_cast<std::size_t>(sent(last_id_).ordinal - sent(cut_.kept_id).ordinal));
+    std::size_t told = 0;
+    for (std::uint32_t id = last_id_; id != cut_.kept_id; id = sent(id).before) ++told;
+    cut_listener_(told);
     std::vector<const Sent*> again;
     for (std::uint32_t id = cut_.last_id; id != cut_.kept_id; id = sent(id).before)
       again.push_back(&sent(id));
@@ -135,6 +227,8 @@ void MotionFeed::go_on_behind(std::uint32_t id) {
   last_id_ = id;
   commanded_ = sent(id).end;
   check_.restart(commanded_, sent(id).end_velocity);
+  motor_check_.restart(sent(id).motors, sent(id).motor_velocity);
+  compensation_.restore(sent(id).state);
 }
 
 double MotionFeed::executed_time() const {
@@ -181,10 +275,9 @@ void MotionFeed::quick_stop() {
 }
 
 void MotionFeed::accept_board_position() {
-  commanded_ = status_.board.position;
   cut_ = {};
-  check_.restart(commanded_);
-  if (restart_listener_) restart_listener_(commanded_);
+  compensation_.restore(state_of_board());
+  accept_motors(motors_);
   // What was under way and did not come to its end is over now; the next segment starts at rest.
   Sent& executing = history_[status_.board.executing_id % kHistory];
   if (executing.id == status_.board.executing_id) {
@@ -194,21 +287,56 @@ void MotionFeed::accept_board_position() {
   Sent& last = history_[last_id_ % kHistory];
   last.end_velocity = {};
   last.end_time = executed_time();
-  last.end = commanded_;
   last.ordinal = executing.ordinal;  // nothing is under way
   void_id_ = newest_id_;
   position_unknown_ = false;
 }
 
-void MotionFeed::set_position(Axis axis, double position) {
-  SetPosition item;
-  item.axes[axis] = true;
-  item.position[axis] = position;
-  link_.push(item);
-  commanded_[axis] = position;
-  history_[last_id_ % kHistory].end = commanded_;
+/// The machine stands where its motors are: a plan begins anew from there.
+void MotionFeed::accept_motors(const Position& motors) {
+  compensation_.accept(motors, slave_tolerance(config_));
+  void_state_ = compensation_.state();
+  commanded_ = void_state_.machine;
+  Sent& last = history_[last_id_ % kHistory];
+  last.end = commanded_;
+  last.motors = motors;
+  last.motor_velocity = {};
+  last.state = void_state_;
   check_.restart(commanded_);
+  motor_check_.restart(motors);
   if (restart_listener_) restart_listener_(commanded_);
+}
+
+void MotionFeed::set_position(Axis axis, double position) {
+  Position machine = commanded_;
+  machine[axis] = position;
+  const Position there = compensation_.motors_at(machine);
+  Position motors = compensation_.motors_at(commanded_);
+  SetPosition item;
+  for (const Axis motor : kAllAxes) {
+    if (compensation_.kinematics().axis_of(motor) != axis) continue;
+    item.axes[motor] = true;
+    item.position[motor] = motors[motor] = there[motor];
+  }
+  link_.push(item);
+  void_id_ = newest_id_;
+  accept_motors(motors);
+}
+
+Result<void> MotionFeed::use_surface(std::shared_ptr<const motion::HeightSurface> surface) {
+  const double added = surface ? surface->at(commanded_[Axis::X], commanded_[Axis::Y]).height : 0.0;
+  const config::AxisConfig& z = config_.axes[Axis::Z];
+  const double there = commanded_[Axis::Z] + added;
+  if (there < z.negative_limit || there > z.positive_limit)
+    return fail(
+        ErrorCode::travel_limit,
+        fmt::format("The height map takes Z to {:.3f} here; its travel is {:.3f} to {:.3f}.", there,
+                    z.negative_limit, z.positive_limit));
+  compensation_.use_surface(std::move(surface));
+  void_id_ = newest_id_;
+  history_[last_id_ % kHistory].state = void_state_ = compensation_.state();
+  begin_motion(AxisArray<bool>::filled(true));
+  return settle();
 }
 
 }  // namespace cnc::server

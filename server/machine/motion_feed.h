@@ -1,9 +1,11 @@
-// The last stage before the link: setpoints become segments.
+// The last stage before the link: setpoints of the machine become segments of its motors.
 //
-// Numbers the segments, checks every one of them against the limits once more, knows how many
-// seconds of motion are under way and which move the board executes just now. What is under way and
-// not begun can be replaced: numbers go on, so that each of them means one segment for ever.
-// Executor thread only.
+// Checks every setpoint against the limits of the axes, adds what motors have to do more
+// (motion::Compensation), checks the sum against the limits of the motors, and numbers the
+// segments. Knows how many seconds of motion are under way and which move the board executes just
+// now. What is under way and not begun can be replaced: numbers go on, so that each of them means
+// one segment for ever. All positions here, those of the board's status included, are the
+// machine's; only the link and what is behind it count motors. Executor thread only.
 #pragma once
 
 #include <cstdint>
@@ -12,6 +14,7 @@
 #include <vector>
 
 #include "config/machine_config.h"
+#include "motion/compensation.h"
 #include "motion/planner.h"
 #include "motion/setpoint_check.h"
 #include "server/link/link.h"
@@ -38,6 +41,10 @@ class MotionFeed {
 
   /// True while less than `lead` seconds of motion are under way and the link has room.
   [[nodiscard]] bool wants_more(double lead) const;
+  /// What a plan may use of the axes, and where they may be: infinite for those that are not
+  /// `limited`.
+  [[nodiscard]] const motion::AxisLimits& limits() const { return compensation_.machine_limits(); }
+  [[nodiscard]] motion::Extents travel(const AxisArray<bool>& limited) const;
   /// At rest, before a motion begins: which axes have to stay within their travel.
   void begin_motion(const AxisArray<bool>& limited);
   /// Sends a setpoint, checked once more.
@@ -75,6 +82,11 @@ class MotionFeed {
   /// Where the last setpoint ended: the start of the next.
   [[nodiscard]] const Position& commanded() const { return commanded_; }
 
+  /// At rest: the height map that Z follows from now on, none to end it. Z goes there at once;
+  /// limits() change. Refused where that would lead out of Z's travel.
+  Result<void> use_surface(std::shared_ptr<const motion::HeightSurface> surface);
+  [[nodiscard]] const motion::HeightSurface* surface() const { return compensation_.surface(); }
+
   void send(const LinkItem& item) { link_.push(item); }
   /// Is called with every setpoint that leaves.
   void set_listener(std::function<void(const motion::Setpoint&)> listener) {
@@ -84,6 +96,10 @@ class MotionFeed {
   /// cut was late they are told once more.
   void set_cut_listener(std::function<void(std::size_t)> listener) {
     cut_listener_ = std::move(listener);
+  }
+  /// Is called with what the motors get for it.
+  void set_motor_listener(std::function<void(const motion::Setpoint&)> listener) {
+    motor_listener_ = std::move(listener);
   }
   /// Is called when the commanded position becomes another than the last setpoint's.
   void set_restart_listener(std::function<void(const Position&)> listener) {
@@ -100,7 +116,7 @@ class MotionFeed {
   struct Sent {
     std::uint32_t id = 0;
     std::uint32_t before = 0;   // id of the segment from whose end it goes on
-    std::uint64_t ordinal = 0;  // one more than that of the segment before it
+    std::uint64_t ordinal = 0;  // of the setpoint; settling segments have that of the one before
     double end_time = 0.0;      // on the time line of everything emitted
     double duration = 0.0;
     Position end;
@@ -109,6 +125,9 @@ class MotionFeed {
     AxisArray<bool> moves{};
     motion::MoveTag tag;
     double feed_limit = 0.0;
+    Position motors;  // at its end, like all that follows
+    Position motor_velocity;
+    motion::Compensation::State state;
   };
   // More than the link and the board hold together, and as much again that is void.
   static constexpr std::size_t kHistory = 16384;
@@ -124,12 +143,21 @@ class MotionFeed {
   [[nodiscard]] double executed_time() const;
   void revoke_cut();
   void go_on_behind(std::uint32_t id);
+  [[nodiscard]] const motion::Compensation::State& state_of_board() const;
+  Result<void> push(const motion::Setpoint& setpoint, const motion::Setpoint& motors,
+                    std::uint64_t ordinal);
+  Result<void> settle();
+  void show_machine_positions();
+  void accept_motors(const Position& motors);
 
   Link& link_;
   const config::MachineConfig& config_;
+  motion::Compensation compensation_;
   motion::SetpointCheck check_;
+  motion::SetpointCheck motor_check_;
   std::function<void(const motion::Setpoint&)> listener_;
   std::function<void(std::size_t)> cut_listener_;
+  std::function<void(const motion::Setpoint&)> motor_listener_;
   std::function<void(const Position&)> restart_listener_;
   LinkStatus status_;
   std::vector<Sent> history_ = std::vector<Sent>(kHistory);
@@ -138,7 +166,9 @@ class MotionFeed {
   Cut cut_;
   double patience_ = 1.0;      // factor of the time that a cut gets: more after a late one
   std::uint32_t void_id_ = 0;  // up to here nothing is executed any more
+  motion::Compensation::State void_state_;  // of the machine that stands there
   Position commanded_;
+  Position motors_;                // of the board, as counted
   bool position_unknown_ = false;  // a quick stop is under way
 };
 

@@ -22,7 +22,7 @@ Result<void> ProbeMotion::start(const Position& end, double feed) {
   const Position& start = feed_.commanded();
   if (auto inside = check_travel(config_, motion::extents_of_line(start, end)); !inside)
     return inside;
-  planner_ = motion::Planner(planner_settings(config_), start);
+  planner_ = motion::Planner(planner_settings(config_, feed_.limits()), start);
   motion::MoveOptions options;
   options.feed = feed;
   options.stop_at_end = true;

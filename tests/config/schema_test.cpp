@@ -41,6 +41,12 @@ TEST_CASE("Every row of the settings table is complete, and no name stands twice
   }
 }
 
+TEST_CASE("Only A can carry the work piece of a mill", "[CFG-3]") {
+  CHECK(parse_setting(*find_setting("AXIS_A", "mode"), "mill4", kMm));
+  CHECK_FALSE(parse_setting(*find_setting("AXIS_B", "mode"), "mill4", kMm));
+  CHECK(find_setting("AXIS_X", "mode") == nullptr);
+}
+
 TEST_CASE("Every default is a value that its own file may hold", "[CFG-1]") {
   for (const MachineUnit unit : {kMm, kInch}) {
     for (const Setting& setting : settings()) {

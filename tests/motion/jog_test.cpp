@@ -7,6 +7,7 @@
 #include <random>
 
 #include "motion/extents.h"
+#include "tests/motion/dice.h"
 #include "tests/motion/trajectory.h"
 
 namespace cnc::motion::test {
@@ -146,6 +147,77 @@ TEST_CASE("Whatever the keys do, jogging keeps limits, travel and exact ends", "
       CHECK(reached.min[axis] >= -30.0);
       CHECK(reached.max[axis] <= 40.0);
     }
+  }
+}
+
+TEST_CASE("Orders at any tick: limits and travel hold within every tick, targets are met exactly",
+          "[MAN-1][MAN-2]") {
+  for (std::uint32_t seed = 1; seed <= 400; ++seed) {
+    CAPTURE(seed);
+    Dice dice(seed);
+    AxisLimits limits = reference_limits();
+    limits.max_acceleration[Axis::X] = dice.scale(10.0, 10'000.0);
+    limits.max_velocity[Axis::X] = dice.scale(0.5, 300.0);
+    JogPlanner jog(limits, dice.scale(0.0005, 0.02), {});
+    const TravelRange travel{-dice.scale(0.001, 100.0), dice.scale(0.001, 100.0)};
+    jog.set_travel(Axis::X, travel);
+    Position position;
+    Position velocity;
+    const auto tick = [&] {
+      const auto setpoint = jog.next();
+      if (!setpoint) return false;
+      const AxisCubic cubic = cubic_of(Axis::X, position, velocity, *setpoint);
+      REQUIRE(cubic.fastest() <= limits.max_velocity[Axis::X] * (1.0 + 1e-9));
+      const double hardest =
+          std::max(std::abs(cubic.start_acceleration()), std::abs(cubic.end_acceleration()));
+      // Positions have a last digit of 1e-14: 6/h² of it.
+      REQUIRE(hardest <= limits.max_acceleration[Axis::X] * (1.0 + 1e-6) +
+                             6e-14 / (cubic.duration * cubic.duration));
+      for (int part = 0; part <= 20; ++part) {
+        const double x = cubic.position(cubic.duration * part / 20.0);
+        REQUIRE(x >= travel.min - 1e-9);
+        REQUIRE(x <= travel.max + 1e-9);
+      }
+      position = setpoint->position;
+      velocity = setpoint->velocity;
+      return true;
+    };
+    const double speed = limits.max_velocity[Axis::X];
+    const double way = 0.3 * (travel.max - travel.min);
+    for (int i = 0; i < 500; ++i) {
+      switch (dice.pick(6)) {
+        case 0:
+          REQUIRE(jog.set_velocity(Axis::X, dice.between(-2.0, 2.0) * speed));
+          break;
+        case 1:
+          REQUIRE(jog.move_by(Axis::X, dice.between(-way, way), dice.scale(0.01, 1.0) * speed));
+          break;
+        case 2:
+          REQUIRE(jog.move_to(Axis::X, dice.between(-150.0, 150.0), speed));
+          break;
+        case 3:
+          jog.stop();
+          break;
+        default:
+          break;
+      }
+      for (int wait = dice.pick(12); wait > 0; --wait) tick();
+    }
+    // Steps that add up from wherever it is going.
+    jog.stop();
+    while (tick()) {
+    }
+    double target = position[Axis::X];
+    for (int i = 0; i < 5; ++i) {
+      const double step = dice.between(-way, way);
+      target = std::min(std::max(target + step, travel.min), travel.max);
+      REQUIRE(jog.move_by(Axis::X, step, speed));
+      for (int wait = dice.pick(3); wait > 0; --wait) tick();
+    }
+    while (tick()) {
+    }
+    REQUIRE(position[Axis::X] == target);
+    REQUIRE(velocity[Axis::X] == 0.0);
   }
 }
 
