@@ -217,7 +217,7 @@ void Machine::home_for_job() {
   };
   if (step != interp::HomeStep::home) {
     return refuse({ErrorCode::not_on_this_machine,
-                   fmt::format("{} has no slave axis: it is homed with \"home\".", axis_name(axis)),
+                   fmt::format("{} is homed with \"home\"; a slave follows it.", axis_name(axis)),
                    std::nullopt});
   }
   if (!data_.config.axes[axis].programmable()) {

@@ -213,8 +213,8 @@ TEST_CASE("Everything at once keeps every motor's limits and can be undone", "[M
 
     Planner planner = planner_for(compensation);
     for (int i = 0; i < 30; ++i) {
-      const Position end = xyz(dice.between(-20, 200), dice.between(-20, 200), dice.between(-5, 0));
-      MoveOptions options = dice.chance(0.3) ? rapid() : feed_of(dice.scale(1.0, 200.0));
+      const Position end = xyz(dice.between(-10, 60), dice.between(-10, 60), dice.between(-5, 0));
+      MoveOptions options = dice.chance(0.3) ? rapid() : feed_of(dice.scale(20.0, 300.0));
       options.stop_at_end = dice.chance(0.3);
       options.tolerance = dice.chance(0.3) ? 0.05 : 0.0;
       REQUIRE(planner.add_line(end, options));
