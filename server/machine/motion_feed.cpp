@@ -14,6 +14,10 @@ namespace {
 /// Room kept in the link for commands: outputs, latches, faults to clear.
 constexpr std::size_t kReserve = 64;
 
+/// A motor that is sent no further than this stands, mm or degrees: positions that were worked back
+/// from what it counts differ in their last digits.
+constexpr double kStill = 1e-9;
+
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
 /// Two motors of an axis that stop together are apart by less than this many steps of theirs.
@@ -54,8 +58,7 @@ MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config)
 }
 
 void MotionFeed::update() {
-  status_ = link_.status();
-  show_machine_positions();
+  read_status();
   if (position_unknown_ && !status_.board.moving && status_.items_done == link_.pushed())
     accept_board_position();
 }
@@ -66,7 +69,9 @@ const motion::Compensation::State& MotionFeed::state_of_board() const {
   return id > void_id_ && sent(id).id == id ? sent(id).state : void_state_;
 }
 
-void MotionFeed::show_machine_positions() {
+/// The board counts motors; from here on its positions are the machine's.
+void MotionFeed::read_status() {
+  status_ = link_.status();
   hal::ControllerStatus& board = status_.board;
   const motion::Compensation::State& state = state_of_board();
   motors_ = board.position;
@@ -143,8 +148,8 @@ Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Se
             .motor_velocity = motors.velocity,
             .state = compensation_.state()};
   for (const Axis axis : kAllAxes)
-    next.moves[axis] = setpoint.position[axis] != commanded_[axis] ||
-                       next.start_velocity[axis] != 0.0 || next.end_velocity[axis] != 0.0;
+    next.moves[axis] = std::abs(motors.position[axis] - before.motors[axis]) > kStill ||
+                       before.motor_velocity[axis] != 0.0 || motors.velocity[axis] != 0.0;
   const motion::MoveTag& tag = setpoint.tag;
   const hal::Segment segment{.id = next.id,
                              .duration = setpoint.duration,
@@ -173,7 +178,7 @@ std::size_t MotionFeed::under_way() const {
 /// the one under way, and the next. And threads do not wake up to the microsecond.
 std::size_t MotionFeed::replaceable() {
   constexpr double kLatest = 0.001;
-  status_ = link_.status();
+  read_status();
   const double reached = executed_time() + patience_ * (2.0 * status_.interval + kLatest);
   std::size_t count = under_way();
   std::size_t in_time = 0;
@@ -264,7 +269,7 @@ AxisArray<bool> MotionFeed::axes_in_motion() const {
   if (board.executing_id == 0 || entry.id != board.executing_id) return {};
   if (board.executing_phase < 1.0) return entry.moves;
   AxisArray<bool> still_moving;
-  for (const Axis axis : kAllAxes) still_moving[axis] = entry.end_velocity[axis] != 0.0;
+  for (const Axis axis : kAllAxes) still_moving[axis] = entry.motor_velocity[axis] != 0.0;
   return still_moving;
 }
 
@@ -282,7 +287,7 @@ void MotionFeed::accept_board_position() {
   Sent& executing = history_[status_.board.executing_id % kHistory];
   if (executing.id == status_.board.executing_id) {
     executing.moves = {};
-    executing.end_velocity = {};
+    executing.end_velocity = executing.motor_velocity = {};
   }
   Sent& last = history_[last_id_ % kHistory];
   last.end_velocity = {};
@@ -324,10 +329,11 @@ void MotionFeed::set_position(Axis axis, double position) {
 }
 
 Result<void> MotionFeed::use_surface(std::shared_ptr<const motion::HeightSurface> surface) {
-  const double added = surface ? surface->at(commanded_[Axis::X], commanded_[Axis::Y]).height : 0.0;
   const config::AxisConfig& z = config_.axes[Axis::Z];
-  const double there = commanded_[Axis::Z] + added;
-  if (there < z.negative_limit || there > z.positive_limit)
+  const double there =
+      commanded_[Axis::Z] +
+      (surface ? surface->at(commanded_[Axis::X], commanded_[Axis::Y]).height : 0.0);
+  if (surface && (there < z.negative_limit || there > z.positive_limit))
     return fail(
         ErrorCode::travel_limit,
         fmt::format("The height map takes Z to {:.3f} here; its travel is {:.3f} to {:.3f}.", there,

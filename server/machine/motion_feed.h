@@ -147,7 +147,7 @@ class MotionFeed {
   Result<void> push(const motion::Setpoint& setpoint, const motion::Setpoint& motors,
                     std::uint64_t ordinal);
   Result<void> settle();
-  void show_machine_positions();
+  void read_status();
   void accept_motors(const Position& motors);
 
   Link& link_;
