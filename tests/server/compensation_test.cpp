@@ -151,6 +151,32 @@ TEST_CASE("Backlash survives homing, pause, stop and jog", "[MOT-5][HOM-1]") {
   CHECK(physical(rig, Axis::X) - 100.0 == Approx(offset).margin(2.0 * kStep));
 }
 
+TEST_CASE("Re-planning at any moment goes on with the play as it was then",
+          "[MOT-5][JOB-8][MAN-8]") {
+  ReadyRig rig(free_machine({"AXIS_X.backlash=0.1", "AXIS_Y.backlash=0.05"}));
+  std::string zigzag;
+  for (int i = 1; i <= 40; ++i)
+    zigzag += "G1 X" + std::to_string(i % 2 == 0 ? 10 : 14) + " Y" + std::to_string(i % 3) +
+              (i % 5 == 0 ? " F1500\nG61.1\n" : " F3000\nG64 P0.1\n");
+  rig.start(zigzag + "G1 X20 Y5\nG1 X12 Y3\n");
+  // Every motor setpoint is checked against the motor's limits from where the plan was cut: a state
+  // that does not belong there would be refused, and the job fail.
+  for (int i = 0; i < 60 && rig.state() == State::running; ++i) {
+    rig.run_for(0.013 + 0.007 * (i % 11));
+    if (i % 4 == 3) {
+      if (rig.pause()) REQUIRE(rig.machine.resume());
+    } else {
+      static_cast<void>(
+          rig.machine.set_overrides({.feed = 0.3 + 0.3 * (i % 7), .rapid = 1.0, .speed = 1.0}));
+    }
+  }
+  REQUIRE(rig.becomes(State::ready, 600.0));
+  CHECK(rig.shown()->job.ended_well);
+  CHECK(physical(rig, Axis::X) == Approx(12.0 - 0.1).margin(kStep));
+  CHECK(physical(rig, Axis::Y) == Approx(3.0 - 0.05).margin(kStep));
+  CHECK(rig.position()[Axis::X] == Approx(12.0).margin(kStep));
+}
+
 TEST_CASE("A reset leaves the machine where it is, with every compensation", "[MOT-5]") {
   ReadyRig rig(free_machine({"AXIS_X.backlash=0.1"}));
   REQUIRE(rig.mdi("G0 X20"));
