@@ -71,12 +71,13 @@ Result<void> JobRunner::queue_feed_line(const interp::Command& command, const Po
 
 Result<void> JobRunner::queue_line(const Position& end, const motion::MoveOptions& options) {
   const Position start = planner_.queue_end();
-  if (auto inside = check_space(motion::extents_of_line(start, end)); !inside) return inside;
+  const auto extents = motion::extents_of_line(start, end);
+  if (auto inside = check_space(extents); !inside) return inside;
   if (guards_tool_change_) {
     if (auto clear = check_tool_change_area(config_.tool_change_area, start, end); !clear)
       return clear;
   }
-  return planner_.add_line(end, options);
+  return planner_.add_line(end, beside_limits(options, extents));
 }
 
 Result<void> JobRunner::queue_arc(const motion::ArcShape& shape, motion::MoveOptions options) {
@@ -89,7 +90,14 @@ Result<void> JobRunner::queue_arc(const motion::ArcShape& shape, motion::MoveOpt
     if (auto clear = check_tool_change_area(config_.tool_change_area, extents); !clear)
       return clear;
   }
-  return planner_.add_arc(shape, options);
+  return planner_.add_arc(shape, beside_limits(options, extents));
+}
+
+/// Where the program runs along the end of the travel, a smoothed path must not swing out of it.
+motion::MoveOptions JobRunner::beside_limits(motion::MoveOptions options,
+                                             const motion::Extents& extents) const {
+  options.tolerance = tolerance_within_travel(config_, extents, options.tolerance);
+  return options;
 }
 
 /// MCAGuard off concerns rendering only: a run never leaves the travel.

@@ -112,6 +112,8 @@ class JobRunner {
   void take_sync_move(const interp::Command& command);
   void queue_thread(bool goes_on);
   [[nodiscard]] Result<void> queue_sync_move(const interp::Command& command, bool goes_on);
+  [[nodiscard]] motion::MoveOptions beside_limits(motion::MoveOptions options,
+                                                  const motion::Extents& extents) const;
   [[nodiscard]] Result<void> check_space(const motion::Extents& extents) const;
   [[nodiscard]] double feed_of_line(const Position& end) const;
   [[nodiscard]] bool feed_depends_on_way() const;

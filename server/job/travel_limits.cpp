@@ -97,4 +97,16 @@ Result<void> check_travel(const config::MachineConfig& config, const motion::Ext
   return {};
 }
 
+double tolerance_within_travel(const config::MachineConfig& config, const motion::Extents& extents,
+                               double tolerance) {
+  double room = tolerance;
+  for (const Axis axis : kAllAxes) {
+    const config::AxisConfig& limits = config.axes[axis];
+    if (!limits.connected()) continue;
+    room = std::min({room, extents.min[axis] - limits.negative_limit,
+                     limits.positive_limit - extents.max[axis]});
+  }
+  return std::max(room, std::min(tolerance, kTolerance));
+}
+
 }  // namespace cnc::server

@@ -11,6 +11,10 @@ namespace cnc::server {
 [[nodiscard]] Result<void> check_travel(const config::MachineConfig& config,
                                         const motion::Extents& extents);
 
+/// As much of a path's `tolerance` (mm) as lets it stay within the travel too, 0.1 µm at least.
+[[nodiscard]] double tolerance_within_travel(const config::MachineConfig& config,
+                                             const motion::Extents& extents, double tolerance);
+
 /// Refuses a synchronised move that an axis cannot follow: `feed` along `way`, with the room that
 /// the board keeps for a spindle that turns faster than planned (manual 3.4.9).
 [[nodiscard]] Result<void> check_thread_speed(const config::MachineConfig& config,

@@ -1,6 +1,7 @@
 // Soft limits of a planned move (STA-6).
 #include "server/job/travel_limits.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "tests/server/rig.h"
@@ -51,4 +52,39 @@ TEST_CASE("An axis that is not connected may stand anywhere but not move", "[STA
   const auto answer = check_travel(config, along(Axis::A, 0.0, 1.0));
   REQUIRE_FALSE(answer);
   CHECK(answer.error().code == ErrorCode::axis_not_connected);
+}
+
+TEST_CASE("A smoothed path along the end of the travel does not swing out of it",
+          "[STA-6][MOT-2]") {
+  const auto program = interp::Program::from_text(
+      "G64 P0.5\nG0 X5 Y10\nF3000\n"
+      "G1 X0 Y10.5\nX5 Y11\nX0 Y11.5\nX0 Y12\nX0.2 Y12.2\nX0 Y12.4\nX0 Y20\nX5 Y20\n",
+      "edge.nc");
+  REQUIRE(program);
+  server::test::ReadyRig rig(server::test::free_machine());
+  double least = 100.0;
+  rig.machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) {
+    least = std::min(least, setpoint.position[Axis::X]);
+  });
+  REQUIRE(rig.machine.load(*program, "edge.nc"));
+  REQUIRE(rig.machine.run());
+  REQUIRE(rig.becomes([&] { return rig.state() != server::State::running; }, 60.0));
+  CHECK(rig.shown()->job.ended_well);
+  CHECK(least >= -1e-4);
+  CHECK(least <= 1e-3);  // it does go there
+}
+
+TEST_CASE("The room beside a limit bounds the tolerance", "[STA-6][MOT-2]") {
+  auto config = server::test::shipped_machine().config;  // X from 0 to 600
+  motion::Extents extents;
+  for (const Axis axis : kLinearAxes) {
+    const auto& limits = config.axes[axis];
+    extents.min[axis] = extents.max[axis] = 0.5 * (limits.negative_limit + limits.positive_limit);
+  }
+  CHECK(tolerance_within_travel(config, extents, 0.5) == 0.5);
+  extents.max[Axis::X] = 599.8;
+  CHECK(tolerance_within_travel(config, extents, 0.5) == Approx(0.2));
+  extents.max[Axis::X] = 600.0;
+  CHECK(tolerance_within_travel(config, extents, 0.5) == Approx(1e-4));
+  CHECK(tolerance_within_travel(config, extents, 0.0) == 0.0);
 }
