@@ -9,7 +9,8 @@
 // Inside: moves wait in line, become curves of a Track (track.h) as far ahead as planning needs
 // them, and a Sampler (sampler.h) walks along it.
 //
-// Units: mm, s, degrees for rotary axes. Not thread-safe. next() does not allocate.
+// Units: mm, s, degrees for rotary axes. Not thread-safe. Memory is reused: next() allocates only
+// when a smoothed run, or a batch of moves, is longer than any before it.
 #pragma once
 
 #include <cstddef>
@@ -130,9 +131,10 @@ class Planner {
   /// Where the next move would start from, and where the last setpoint ended.
   [[nodiscard]] const Position& queue_end() const;
   [[nodiscard]] const Position& position() const;
-  /// Seconds of motion still queued, at the present overrides (for progress and prediction). Exact
-  /// for what is planned, an upper bound for moves that still wait; infinite when an override of 0
-  /// bars the way. Walks over the whole queue: for a display's rate, not for every setpoint.
+  /// Seconds of motion still queued, without the moves of a smoothed run that is still open, at the
+  /// present overrides (for progress and prediction). Exact for what is planned, an upper bound for
+  /// moves that still wait; infinite when an override of 0 bars the way. Walks over the whole
+  /// queue: for a display's rate, not for every setpoint.
   [[nodiscard]] double queued_time() const;
 
   /// Standing still only: the machine was moved by other means (homing, jog, hand). Refused while

@@ -1,6 +1,9 @@
 // Line simplification (G61 Q, G64 Q): consecutive short lines become one long line that leaves none
 // of their vertices by more than the tolerance.
 //
+// A joined line has the tag of its first move: what the program wants done between two moves that
+// were joined happens behind the line.
+//
 // What joins is decided when the next line is known: one line at most waits in here.
 #pragma once
 

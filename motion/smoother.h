@@ -28,7 +28,7 @@ class Smoother {
 
   /// The next move of the program; it begins where the last one ends.
   void add(const Piece& piece);
-  /// Nothing follows (for now): the path ends exactly where the program does.
+  /// Nothing follows until the machine stands: the path ends exactly where the program does.
   void finish();
   /// The machine shall stand still at the end of what was added; false when nothing is inside.
   bool stop_at_end();
@@ -55,14 +55,12 @@ class Smoother {
   };
 
   void begin_run(const Piece& piece);
-  void end_run();
   void place_front();
   void add_span(const Segment& segment, double from, double to, double end_tolerance);
   [[nodiscard]] double first_step(const Segment& before, const Segment& after, double kink) const;
   void collect();
 
   [[nodiscard]] double tolerance_of(const Piece& piece, double radius) const;
-
   [[nodiscard]] double longest_step(const Segment& segment) const;
 
   TubeSpline spline_;

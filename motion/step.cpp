@@ -251,7 +251,7 @@ double grid_length(const Curve& curve, double start, double end, double speed,
   if (const auto* cubic = std::get_if<Cubic>(&curve)) {
     const double turn = turn_between(cubic->tangent(start), cubic->tangent(end));
     const double count = std::clamp(std::ceil(turn / kCubicTurn), 1.0, kMostCubicSteps);
-    return std::min(length / count, by_speed);
+    return std::max(std::min(length / count, by_speed), length / kMostStepsOfCubic);
   }
   const auto& arc = std::get<Arc>(curve);
   const double by_turn = kLargestTurn * arc.length() / std::abs(arc.sweep());

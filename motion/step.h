@@ -12,6 +12,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 
 #include "config/axis.h"
@@ -23,6 +24,10 @@ namespace cnc::motion {
 
 /// The shortest setpoint, s, unless a stop has to be met: controllers cannot use shorter ones well.
 inline constexpr double kShortestSetpoint = 0.00025;
+
+/// Steps of a cubic at most, however slowly it is driven: a corner blend is cut into steps at once
+/// and has to find room.
+inline constexpr std::size_t kMostStepsOfCubic = 128;
 
 /// Part of an axis' acceleration that the plan may leave to the difference between the motion on a
 /// curve and the cubic that a setpoint makes of it.
@@ -81,8 +86,9 @@ void set_step(Step& step, const Curve& curve, double start, double length,
 /// Bound of the fourth derivative of position by time on a curved step, at x and |w|.
 [[nodiscard]] double fourth_derivative(const Step& step, double x, double w);
 
-/// Step length on a curve that is driven at up to `speed`: at most 2° of turning, at most a part of
-/// the distance in which the speed is reached, and no finer than 5 ms.
+/// Step length on a curve that is driven at up to `speed` and can accelerate along its begin with
+/// `acceleration`: at most 2° of turning on arcs and 3° on cubics, at most a part of the distance
+/// in which the speed is reached, and no finer than 5 ms. At most kMostStepsOfCubic on a cubic.
 [[nodiscard]] double grid_length(const Curve& curve, double start, double end, double speed,
                                  double acceleration);
 

@@ -14,6 +14,7 @@ namespace {
 
 /// Steps kept free so that a corner blend and the first steps behind it always find room.
 constexpr std::size_t kSpareSteps = 256;
+static_assert(kMostStepsOfCubic < kSpareSteps);
 
 /// A blend leaves at least this share of a curve to the curve itself: no sliver between two blends.
 constexpr double kLargestCutShare = 0.45;

@@ -1,5 +1,6 @@
 // What the planner refuses, and that a refusal changes nothing.
 #include <catch2/catch.hpp>
+#include <cmath>
 #include <limits>
 
 #include "tests/motion/trajectory.h"
@@ -87,6 +88,19 @@ TEST_CASE("A helix of ten thousand turns is driven in bounded memory", "[MOT-4]"
   planner.hold();
   CHECK_FALSE(draw_all(planner).setpoints.empty());
   CHECK(planner.clear());
+}
+
+TEST_CASE("Blends at a crawl behind a fast move find room", "[MOT-1]") {
+  // The fast move makes the planner look far ahead, and the blends of nearly straight corners 3.6
+  // mm long: steps of 5 ms at 0.08 mm/s would be 9,000 for each.
+  Planner planner(reference_settings(), {});
+  REQUIRE(planner.add_line(xyz(4, 0), feed_of(100)));
+  Position end = xyz(4, 0);
+  for (int i = 1; i <= 10; ++i) {
+    end = end + 4.0 * xyz(std::cos(1e-4 * i), std::sin(1e-4 * i));
+    REQUIRE(planner.add_line(end, feed_of(0.08)));
+  }
+  CHECK(draw_all(planner).end() == end);
 }
 
 }  // namespace cnc::motion::test
