@@ -7,7 +7,7 @@
 
 namespace cnc::motion {
 
-double norm(const Position& p) { return std::hypot(linear_length(p), rotary_length(p)); }
+double norm(const Position& p) { return std::sqrt(dot(p, p)); }
 
 // --- Line ----------------------------------------------------------------------------------------
 

@@ -141,7 +141,8 @@ Leg slow_down(const Step& step, double done, double x, const Exit& exit) {
 /// curvature.
 Leg creep(const Step& step, double left, double exit_x) {
   const double limit_x = std::min(step.wanted_x, 0.5 * step.weakest / step.curvature);
-  return straight_leg({left, 0.0, std::sqrt(exit_x), std::sqrt(limit_x), 0.5 * step.along});
+  return straight_leg(
+      {left, 0.0, std::sqrt(exit_x), std::sqrt(limit_x), 0.5 * largest_w_at_rest(step)});
 }
 
 Leg curved_leg(const Step& step, double done, double x, const Exit& exit) {

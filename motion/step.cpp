@@ -56,39 +56,70 @@ bool is_still(const Step& step, Axis axis) {
   return step.tangent[0][axis] == 0.0 && step.bend[0][axis] == 0.0 && step.bend[1][axis] == 0.0;
 }
 
-/// Fills in the rows. An axis that does not feel w bounds x alone: the largest x for which a w
-/// exists that satisfies all rows is what comes back; any two of them must meet.
-double set_rows(Step& step) {
-  double x = kInfinity;
+/// The same along the whole step.
+Demands demands_of(const Step& step, Axis axis) {
+  const double tangent = step.tangent[0][axis];
+  const double bend = step.bend[0][axis];
+  const double end_bend = step.bend[1][axis];
+  const double length = step.length;
+  return {{{tangent, bend},
+           {step.tangent[1][axis] + 2.0 * length * end_bend, end_bend},
+           {tangent + 1.5 * length * bend, 0.5 * (bend + end_bend)}},
+          step.cubic ? 3 : 2};
+}
+
+std::span<const Row> rows_of(const Step& step) {
+  return {step.rows.data(), static_cast<std::size_t>(step.row_count)};
+}
+
+/// The values of w that the rows allow at x.
+Range range_of(std::span<const Row> rows, double x) {
+  Range range{-kInfinity, kInfinity};
+  for (const auto& [slope, width] : rows) {
+    range.low = std::max(range.low, -width - slope * x);
+    range.high = std::min(range.high, width - slope * x);
+  }
+  return range;
+}
+
+/// Largest x up to `x` for which a w exists that satisfies all rows. Where there is none, the row
+/// that demands most of w and the one that allows least meet at a smaller x. How far the bounds of
+/// w are apart is a convex function of x, so that this is Newton's way to its zero: from above,
+/// never past it, and exact after a few rounds.
+double largest_common_x(std::span<const Row> rows, double x) {
+  for (;;) {
+    const Range range = range_of(rows, x);
+    if (range.low <= range.high) return x;
+    const auto lower = std::ranges::find_if(
+        rows, [&](const Row& row) { return -row.width - row.slope * x == range.low; });
+    const auto upper = std::ranges::find_if(
+        rows, [&](const Row& row) { return row.width - row.slope * x == range.high; });
+    const double meet = (lower->width + upper->width) / (upper->slope - lower->slope);
+    if (!(meet < x)) return x;  // rounding
+    x = meet;
+  }
+}
+
+/// Fills in the rows; an axis that does not feel w bounds x alone. Comes back with the largest x up
+/// to `x` for which a w exists.
+double set_rows(Step& step, double x) {
+  std::size_t count = 0;
   for (const Axis axis : kAllAxes) {
     if (is_still(step, axis)) continue;
     const double limit = step.acceleration[axis];
-    const Demands demands = demands_of(step, axis, 0.0);
+    const Demands demands = demands_of(step, axis);
     for (int i = 0; i < demands.count; ++i) {
       const auto [gain, offset] = demands.demand[i];
       if (std::abs(gain) > kInsensitive) {
         const double inverse = 1.0 / gain;
-        step.rows[static_cast<std::size_t>(step.row_count++)] = {offset * inverse,
-                                                                 limit * std::abs(inverse)};
+        step.rows[count++] = {offset * inverse, limit * std::abs(inverse)};
       } else if (offset != 0.0) {
         x = std::min(x, limit / std::abs(offset));
       }
     }
   }
-  for (int m = 0; m < step.row_count; ++m) {
-    for (int n = 0; n < m; ++n) {
-      const Row& a = step.rows[static_cast<std::size_t>(m)];
-      const Row& b = step.rows[static_cast<std::size_t>(n)];
-      const double apart = std::abs(a.slope - b.slope);
-      const double widths = a.width + b.width;
-      if (apart * x > widths) x = widths / apart;
-    }
-  }
-  return x;
-}
-
-std::span<const Row> rows_of(const Step& step) {
-  return {step.rows.data(), static_cast<std::size_t>(step.row_count)};
+  step.row_count = static_cast<int>(count);
+  return largest_common_x(rows_of(step), x);
 }
 
 /// Largest |w| that the rows allow up to x.
@@ -119,7 +150,8 @@ Range intersect(Range range, const Demand& demand, double limit, double x) {
 
 /// Change of direction over a step, in radians for the small angles of steps.
 double turn_between(const Position& a, const Position& b) {
-  return norm(b - a) / std::max(norm(a), norm(b));
+  const Position change = b - a;
+  return std::sqrt(dot(change, change) / std::max(dot(a, a), dot(b, b)));
 }
 
 /// Part of the axes' accelerations that a curve must leave free, for two reasons. Except on cubics
@@ -160,8 +192,10 @@ void complete_straight(Step& step, const AxisLimits& limits) {
 /// The Bézier coefficients of q' bound its length.
 double largest_stretch(const Step& step) {
   const Position middle = step.tangent[0] + 0.5 * step.length * step.bend[0];
-  return std::max(
-      {linear_length(step.tangent[0]), linear_length(middle), linear_length(step.tangent[1])});
+  const auto square = [](const Position& p) {
+    return p[Axis::X] * p[Axis::X] + p[Axis::Y] * p[Axis::Y] + p[Axis::Z] * p[Axis::Z];
+  };
+  return std::sqrt(std::max({square(step.tangent[0]), square(middle), square(step.tangent[1])}));
 }
 
 /// Largest ds/dt that keeps the axes' velocities: |q'| of an axis over the step is bounded by its
@@ -187,20 +221,20 @@ double speed_limit(const Step& step, const Curve& curve, const AxisLimits& limit
 }
 
 void complete_curved(Step& step, const Curve& curve, const AxisLimits& limits) {
-  step.curvature = std::max(norm(step.bend[0]), norm(step.bend[1]));
+  step.curvature =
+      std::sqrt(std::max(dot(step.bend[0], step.bend[0]), dot(step.bend[1], step.bend[1])));
   step.third = norm(step.bend[1] - step.bend[0]) / step.length;
   // On arcs q'' turns with the curve; on cubics it is linear.
   if (!step.cubic && step.curvature > 0.0) step.fourth = step.third * step.third / step.curvature;
   const double speed = speed_limit(step, curve, limits);
-  const double bearable = set_rows(step);
+  // At least half of it is left below, so that what the curve bears beyond that does not matter.
+  const double bearable = set_rows(step, 2.0 * speed * speed);
   const double x = std::min(speed * speed, bearable);
   const double share = 1.0 - free_part(step, x, largest_w(step, x));
   // All rows are proportional to the accelerations, and so is what follows from them.
   step.acceleration *= share;
   for (int i = 0; i < step.row_count; ++i) step.rows[static_cast<std::size_t>(i)].width *= share;
   step.machine_x = std::min({speed * speed, share * bearable, largest_steep_x(step)});
-  step.along = std::min(largest_along(step.tangent[0], step.acceleration),
-                        largest_along(step.tangent[1], step.acceleration));
 }
 
 void set_derivatives(Step& step, const Curve& curve) {
@@ -229,7 +263,6 @@ void set_step(Step& step, const Curve& curve, double start, double length,
   step.straight = is_straight(curve);
   step.cubic = std::holds_alternative<Cubic>(curve);
   step.stretch = 1.0;
-  step.row_count = 0;
   step.curvature = step.third = step.fourth = 0.0;
   step.machine_entry = step.wanted_entry = -1.0;
   step.acceleration = limits.max_acceleration;
@@ -272,14 +305,8 @@ double largest_entry(const Step& step, double exit_x) {
 }
 
 Range allowed_w(const Step& step, double done, double x) {
+  if (done == 0.0) return range_of(rows_of(step), x);
   Range range{-kInfinity, kInfinity};
-  if (done == 0.0) {
-    for (const auto& [slope, width] : rows_of(step)) {
-      range.low = std::max(range.low, -width - slope * x);
-      range.high = std::min(range.high, width - slope * x);
-    }
-    return range;
-  }
   for (const Axis axis : kAllAxes) {
     if (is_still(step, axis)) continue;
     const Demands demands = demands_of(step, axis, done);
@@ -290,13 +317,19 @@ Range allowed_w(const Step& step, double done, double x) {
   return range;
 }
 
+double largest_w_at_rest(const Step& step) {
+  if (step.straight) return step.along;
+  return std::min(largest_along(step.tangent[0], step.acceleration),
+                  largest_along(step.tangent[1], step.acceleration));
+}
+
 double hardest_braking(const Step& step, double done, double x) {
   if (step.straight) return -step.along;
   const double to_stop_at_end = -x / (2.0 * (step.length - done));
   const double low = allowed_w(step, done, x).low;
   if (low > to_stop_at_end) return low;
   // Stops inside the step: at the end of the braking x is 0 and only q' w counts.
-  return std::max(-step.along, std::min(low, to_stop_at_end));
+  return std::max(-largest_w_at_rest(step), std::min(low, to_stop_at_end));
 }
 
 }  // namespace cnc::motion

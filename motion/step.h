@@ -60,7 +60,7 @@ struct Step {
   std::array<Row, 3 * kAxisCount> rows;
   int row_count = 0;
 
-  double along = 0.0;      ///< largest |w| at x = 0
+  double along = 0.0;      ///< largest |w| on a straight line
   double stretch = 1.0;    ///< largest |q'| in X Y Z: the feed is |q'| ds/dt
   double curvature = 0.0;  ///< largest |q''|
   double third = 0.0;      ///< |q'''|
@@ -103,6 +103,9 @@ struct Range {
 /// The values of w that keep the axes within their limits from `done` mm inside a curved step to
 /// its end, at the present x.
 [[nodiscard]] Range allowed_w(const Step& step, double done, double x);
+
+/// Largest |w| at x = 0.
+[[nodiscard]] double largest_w_at_rest(const Step& step);
 
 /// Least w that keeps the limits when it is held until standstill or until the step ends. Above 0
 /// where an axis needs all of its acceleration for the curve, and the speed for that.

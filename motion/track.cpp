@@ -136,8 +136,8 @@ void Track::push(const Piece& piece, bool stop_before) {
 }
 
 void Track::push_unplanned(const Piece& wanted, bool stop_before) {
-  pieces_.push_back(wanted);
-  Piece& piece = pieces_.back();
+  Piece& piece = pieces_.push_back();
+  piece = wanted;
   const Position direction = tangent_of(piece.curve, piece.begin);
   const double feed = piece.kind == MoveKind::feed
                           ? piece.feed * std::max(1.0, overrides_.feed_of(piece))
