@@ -154,10 +154,25 @@ void Smoother::begin_run(const Piece& piece) {
 
 void Smoother::finish() {
   if (!in_run_) return;
+  in_run_ = false;
+  if (is_one_line()) return pass_front();
   while (!segments_.empty()) place_front();
   spline_.finish();
   collect();
-  in_run_ = false;
+}
+
+bool Smoother::is_one_line() const {
+  const bool nothing_placed = last_placed_.length == 0.0;
+  return nothing_placed && segments_.size() == 1 && is_straight(segments_.front().piece.curve);
+}
+
+/// There is nothing to be smoothed, and a line that goes on in the direction of the rapid before it
+/// (drilling) needs no standstill.
+void Smoother::pass_front() {
+  ready_.reserve(ready_.size() + 1);
+  ready_.push_back(segments_.front().piece);
+  segments_.pop_front();
+  spline_.clear();
 }
 
 bool Smoother::stop_at_end() {

@@ -3,7 +3,8 @@
 //
 // A run is a sequence of feed moves with a tolerance, each beginning where the last ends. It ends,
 // with the machine standing still, at a move of another kind, at an exact stop, where the direction
-// nearly reverses, and when finish() says that nothing follows. Inside a run nothing stops.
+// nearly reverses, and when finish() says that nothing follows. Inside a run nothing stops. A run
+// of one line is that line, passed on as it is.
 //
 // Where nodes lie (tube_spline.h): every vertex is one; between two vertices the steps grow
 // geometrically from both ends, beginning with a length on which the curve can turn within the
@@ -55,6 +56,8 @@ class Smoother {
   };
 
   void begin_run(const Piece& piece);
+  [[nodiscard]] bool is_one_line() const;
+  void pass_front();
   void place_front();
   void add_span(const Segment& segment, double from, double to, double end_tolerance);
   [[nodiscard]] double first_step(const Segment& before, const Segment& after, double kink) const;

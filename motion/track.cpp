@@ -28,6 +28,9 @@ constexpr double kStock = 1.3;
 /// skip() goes on for this long where more path may still change the plan behind it, s.
 constexpr double kSkipTime = 0.005;
 
+/// Of x; the same that a leg takes for standing still.
+constexpr double kRounding = 1e-9;
+
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 bool is_further(const Place& a, const Place& b) {
@@ -260,13 +263,14 @@ Exit Track::exit_of(std::uint64_t index) const {
   return {steps_[index + 1].machine_entry, steps_[index + 1].wanted_entry};
 }
 
-/// Whether the machine can keep its limits from where it is with the speed that it has.
+/// Whether the machine can keep its limits from where it is with the speed that it has. On the way
+/// to a standstill its x is exactly what braking takes, so that rounding counts as a part of x.
 bool Track::place_is_safe() const {
   const Step& step = steps_[place_.step];
   const double x = place_.speed * place_.speed;
   const double left = step.length - place_.done;
   const double braking = step.straight ? -step.along : allowed_w(step, place_.done, x).low;
-  return x + 2.0 * left * braking <= exit_of(place_.step).machine_x * (1.0 + 1e-9);
+  return x + 2.0 * left * braking <= exit_of(place_.step).machine_x + kRounding * x;
 }
 
 // --- moving along --------------------------------------------------------------------------------

@@ -1,5 +1,9 @@
-cnc_bench(motion_bench SOURCES "${CMAKE_CURRENT_LIST_DIR}/motion_bench.cpp" LINKS cnc_motion)
 find_package(fmt REQUIRED)
-cnc_bench(path_bench SOURCES path_bench.cpp ../motion/path_judge.cpp
-          LINKS cnc_interpreter cnc_motion fmt::fmt)
-target_include_directories(path_bench PRIVATE "${CMAKE_BINARY_DIR}/rooms/tests")
+# The moves of a file, for the planner.
+add_library(cnc_path_program STATIC path_program.cpp)
+target_link_libraries(cnc_path_program PUBLIC cnc_interpreter cnc_motion fmt::fmt)
+target_include_directories(cnc_path_program PUBLIC "${CMAKE_BINARY_DIR}/rooms/tests")
+target_compile_options(cnc_path_program PRIVATE ${CNC_WARNINGS})
+
+cnc_bench(motion_bench SOURCES motion_bench.cpp ../motion/time_bound.cpp LINKS cnc_path_program)
+cnc_bench(path_bench SOURCES path_bench.cpp ../motion/path_judge.cpp LINKS cnc_path_program)

@@ -18,8 +18,8 @@
 #include <string_view>
 #include <vector>
 
-#include "interpreter/interpreter.h"
 #include "motion/planner.h"
+#include "tests/bench/path_program.h"
 #include "tests/motion/path_judge.h"
 
 namespace {
@@ -32,80 +32,7 @@ struct Options {
   double operator[](std::string_view name) const { return values.find(name)->second; }
 };
 
-struct Move {
-  motion::MoveKind kind = motion::MoveKind::feed;
-  double feed = 0.0;
-  bool is_arc = false;
-  motion::ArcShape shape;  // of a line only the end
-};
-
-std::vector<Move> read_program(const std::string& file) {
-  const auto program = interp::Program::open(file);
-  if (!program) {
-    fmt::print("{}\n", program.error().to_string());
-    std::exit(1);
-  }
-  config::ParameterStore parameters;
-  config::ToolTable tools;
-  interp::Interpreter interpreter({}, parameters, tools);
-  interpreter.start(*program, {}, {.mode = interp::RunMode::render});
-  std::vector<Move> moves;
-  double feed = 0.0;
-  Position at;
-  for (;;) {
-    switch (interpreter.next()) {
-      case interp::Progress::command: {
-        const auto& body = interpreter.command().body;
-        if (const auto* set = std::get_if<interp::SetFeedRate>(&body)) feed = set->feed;
-        if (const auto* rapid = std::get_if<interp::RapidMove>(&body)) {
-          moves.push_back({motion::MoveKind::rapid, 0.0, false, {.end = rapid->end}});
-        } else if (const auto* line = std::get_if<interp::FeedMove>(&body)) {
-          moves.push_back({motion::MoveKind::feed, feed, false, {.end = line->end}});
-        } else if (const auto* arc = std::get_if<interp::ArcMove>(&body)) {
-          moves.push_back(
-              {motion::MoveKind::feed,
-               feed,
-               true,
-               {arc->end, arc->plane, arc->first_centre, arc->second_centre, arc->turns}});
-        }
-        break;
-      }
-      case interp::Progress::waiting:
-        interpreter.answer(interpreter.expected_answer());
-        break;
-      case interp::Progress::failed:
-        fmt::print("{}", interpreter.diagnostic().to_string());
-        if (!interpreter.skip_failed_line()) return moves;
-        break;
-      case interp::Progress::ended:
-        return moves;
-      case interp::Progress::working:
-      case interp::Progress::found:
-        break;
-    }
-  }
-}
-
-/// Feeds the moves to a planner, which `draw` empties.
-template <typename Draw>
-void drive(motion::Planner& planner, const std::vector<Move>& moves, const Options& options,
-           Draw draw_from) {
-  const auto draw = [&] { draw_from(planner); };
-  for (const Move& move : moves) {
-    motion::MoveOptions how;
-    how.kind = move.kind;
-    how.feed = options["feed"] > 0.0 ? options["feed"] : move.feed;
-    how.tolerance = options["p"];
-    const auto added =
-        move.is_arc ? planner.add_arc(move.shape, how) : planner.add_line(move.shape.end, how);
-    if (!added) {
-      fmt::print("refused: {}\n", added.error().to_string());
-      continue;
-    }
-    while (planner.full()) draw();
-  }
-  while (!planner.idle()) draw();
-}
+bench::Driving driving_of(const Options& options) { return {options["feed"], options["p"]}; }
 
 void add_arc(motion::test::Polyline& path, const Position& start, const motion::ArcShape& shape) {
   const auto arc = motion::make_arc(start, shape);
@@ -116,13 +43,13 @@ void add_arc(motion::test::Polyline& path, const Position& start, const motion::
     path.add(motion::test::point_of(arc->point(arc->length() * i / count)));
 }
 
-void judge(const std::string& file, const std::vector<Move>& moves,
-           const motion::AxisLimits& limits, const Options& options) {
+void judge(const bench::PathProgram& program, const motion::AxisLimits& limits,
+           const Options& options) {
   const double cell = std::max(0.25, 3.0 * options["p"]);
   motion::test::Polyline programmed(cell);
   programmed.add({});
   Position at;
-  for (const Move& move : moves) {
+  for (const bench::ProgramMove& move : program.moves) {
     if (move.is_arc) {
       add_arc(programmed, at, move.shape);
     } else {
@@ -134,7 +61,7 @@ void judge(const std::string& file, const std::vector<Move>& moves,
   driven.add({});
   motion::test::LimitJudge judge{.limits = limits, .position = {}, .velocity = {}};
   motion::Planner whole({.limits = limits}, {});
-  drive(whole, moves, options, [&](motion::Planner& planner) {
+  bench::drive(whole, program, driving_of(options), [&](motion::Planner& planner) {
     const auto drawn = planner.next();
     if (!drawn) return;
     const motion::Setpoint& setpoint = *drawn;
@@ -152,24 +79,23 @@ void judge(const std::string& file, const std::vector<Move>& moves,
   fmt::print(
       "{:<28} {:>9.3f} s  v {:.5f} a {:.5f} feed {:.5f}  path to program {:.5f} mm, back "
       "{:.5f} mm, {} setpoints\n",
-      file, judge.time, judge.velocity_ratio, judge.acceleration_ratio, judge.feed_ratio,
+      program.name, judge.time, judge.velocity_ratio, judge.acceleration_ratio, judge.feed_ratio,
       motion::test::largest_distance(driven, programmed),
       motion::test::largest_distance(programmed, driven), judge.setpoints);
 }
 
 void measure(const std::string& path, const Options& options) {
-  const std::vector<Move> moves = read_program(path);
-  const std::string file = path.substr(path.rfind('/') + 1);
+  const bench::PathProgram program = bench::read_program(path);
   const motion::AxisLimits limits{Position::filled(options["v"]), Position::filled(options["a"])};
   const auto rate = [&](auto draw) {
     double time = 0.0;
     motion::Planner whole({.limits = limits}, {});
     const std::clock_t begin = std::clock();
-    drive(whole, moves, options, [&](motion::Planner& planner) {
+    bench::drive(whole, program, driving_of(options), [&](motion::Planner& planner) {
       if (const auto part = draw(planner)) time += part->duration;
     });
     const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
-    return std::pair(time, static_cast<double>(moves.size()) / seconds);
+    return std::pair(time, static_cast<double>(program.moves.size()) / seconds);
   };
   for (double i = 1.0; i < options["times"]; ++i) {
     (void)rate([](motion::Planner& planner) { return planner.skip(); });
@@ -179,8 +105,8 @@ void measure(const std::string& path, const Options& options) {
   fmt::print(
       "{:<28} {:>9.3f} s, predicted {:>9.3f} s; {} moves, planned {:>7.0f}/s, with setpoints "
       "{:>7.0f}/s\n",
-      file, time, predicted, moves.size(), plan_rate, rate_all);
-  if (options["judge"] != 0.0) judge(file, moves, limits, options);
+      program.name, time, predicted, program.moves.size(), plan_rate, rate_all);
+  if (options["judge"] != 0.0) judge(program, limits, options);
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // Job times against the arithmetic of constant acceleration.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <numbers>
@@ -97,6 +98,31 @@ TEST_CASE("Lines in one direction are passed without slowing down", "[MOT-1]") {
   }
   while (const auto setpoint = planner.next()) trajectory.setpoints.push_back(*setpoint);
   CHECK(trajectory.duration() == Approx(1.2).epsilon(1e-6));
+}
+
+TEST_CASE("Chords that join the queue while the machine brakes to a corner are passed", "[MOT-1]") {
+  // After a rapid that ends in a corner: chords of 0.05 mm, 0.1° from one to the next, drawn from
+  // all the while. The machine has to stand at the corner and at the very end, nowhere else.
+  for (int mm = 1; mm <= 100; mm += 3) {
+    CAPTURE(mm);
+    Planner planner(reference_settings(), {});
+    Trajectory trajectory{{}, {}};
+    REQUIRE(planner.add_line(xyz(0, mm), rapid()));
+    double x = 0.0;
+    double y = mm;
+    for (int i = 0; i < 1500; ++i) {
+      const double heading = i * std::numbers::pi / 1800.0;
+      x += 0.05 * std::cos(heading);
+      y += 0.05 * std::sin(heading);
+      REQUIRE(planner.add_line(xyz(x, y), feed_of(100)));
+      while (planner.full()) trajectory.setpoints.push_back(planner.next().value());
+    }
+    while (const auto setpoint = planner.next()) trajectory.setpoints.push_back(*setpoint);
+    const auto standstills =
+        std::count_if(trajectory.setpoints.begin(), trajectory.setpoints.end(),
+                      [](const Setpoint& setpoint) { return setpoint.velocity == Position{}; });
+    CHECK(standstills == 2);
+  }
 }
 
 TEST_CASE("Rotary-only moves take their feed in degrees per second", "[MOT-1]") {

@@ -179,6 +179,17 @@ TEST_CASE("Rapids and exact stops end a smoothed run exactly", "[MOT-2]") {
   require_inside(drive, 1e-6);
 }
 
+TEST_CASE("A hole drilled with G64 is entered without a stop between rapid and feed", "[MOT-1]") {
+  Drive drive(reference_settings(), 0.02);
+  drive.line(xyz(0, 0, -20), rapid());
+  drive.line(xyz(0, 0, -40), smooth(25, 0.02));
+  drive.finish();
+  // To 100 mm/s and down to 25: 10 mm in 0.2 s, 0.625 mm in 0.00625 s, 9.375 mm in 0.15 s; then
+  // 19.375 mm in 0.775 s and 0.625 mm in 0.05 s.
+  CHECK(drive.judge().time == Approx(1.18125).epsilon(1e-6));
+  require_inside(drive, 1e-6);
+}
+
 TEST_CASE("While more is coming the smoothed path stays open", "[MOT-1]") {
   Planner planner(reference_settings(), {});
   const MoveOptions options = smooth(100.0, 0.02);
