@@ -6,8 +6,6 @@
 
 namespace cnc::motion::test {
 
-namespace {
-
 double distance_to_segment(const Point& p, const Point& a, const Point& b) {
   double along = 0.0;
   double length = 0.0;
@@ -24,6 +22,8 @@ double distance_to_segment(const Point& p, const Point& a, const Point& b) {
   return std::sqrt(sum);
 }
 
+namespace {
+
 double distance_between(const Point& a, const Point& b) { return distance_to_segment(a, b, b); }
 
 }  // namespace
@@ -34,9 +34,10 @@ Polyline::Key Polyline::key_of(const std::array<std::int64_t, 3>& cell) const {
   return (cell[0] * 73856093) ^ (cell[1] * 19349663) ^ (cell[2] * 83492791);
 }
 
-void Polyline::add(const Point& point) {
+void Polyline::add(const Point& point, double allowed) {
   points_.push_back(point);
   if (points_.size() < 2) return;
+  allowed_.push_back(allowed);
   const Point& from = points_[points_.size() - 2];
   const auto index = static_cast<std::uint32_t>(points_.size() - 2);
   // Every cell that the segment passes is at most half a cell from one of these points, so with its
@@ -57,23 +58,55 @@ void Polyline::add(const Point& point) {
   }
 }
 
-double Polyline::distance(const Point& point) const {
+template <typename Visit>
+void Polyline::for_each_near(const Point& point, Visit visit) const {
   std::array<std::int64_t, 3> home{};
   for (std::size_t k = 0; k < 3; ++k) {
     home[k] = static_cast<std::int64_t>(std::floor(point[k] / cell_));
   }
-  double least = std::numeric_limits<double>::infinity();
   for (std::int64_t x = -1; x <= 1; ++x) {
     for (std::int64_t y = -1; y <= 1; ++y) {
       for (std::int64_t z = -1; z <= 1; ++z) {
         const auto found = segments_.find(key_of({home[0] + x, home[1] + y, home[2] + z}));
         if (found == segments_.end()) continue;
         for (const std::uint32_t i : found->second) {
-          least = std::min(least, distance_to_segment(point, points_[i], points_[i + 1]));
+          if (!visit(i)) return;
         }
       }
     }
   }
+}
+
+double Polyline::to_stretch(const Point& point, std::size_t i) const {
+  return distance_to_segment(point, points_[i], points_[i + 1]) / allowed_[i];
+}
+
+double Polyline::distance(const Point& point) const {
+  double least = std::numeric_limits<double>::infinity();
+  for_each_near(point, [&](std::size_t i) {
+    least = std::min(least, to_stretch(point, i));
+    return true;
+  });
+  return least;
+}
+
+double Polyline::distance(const Point& point, double enough) {
+  // Where the path goes, points go too: some of the next stretches, or the one before.
+  constexpr std::size_t kNext = 8;
+  const std::size_t first = near_ > 0 ? near_ - 1 : 0;
+  for (std::size_t i = first; i < std::min(near_ + kNext, allowed_.size()); ++i) {
+    const double distance = to_stretch(point, i);
+    if (distance > enough) continue;
+    near_ = i;
+    return distance;
+  }
+  double least = std::numeric_limits<double>::infinity();
+  for_each_near(point, [&](std::size_t i) {
+    const double distance = to_stretch(point, i);
+    if (distance < least) near_ = i;
+    least = std::min(least, distance);
+    return least > enough;
+  });
   return least;
 }
 

@@ -18,24 +18,37 @@ using Point = std::array<double, 3>;  ///< X Y Z, mm
 
 [[nodiscard]] Point point_of(const Position& position);
 
+/// Distance of a point from the line between two others.
+[[nodiscard]] double distance_to_segment(const Point& p, const Point& a, const Point& b);
+
 /// A polyline whose nearest point is found through a grid of cells.
 class Polyline {
  public:
   explicit Polyline(double cell) : cell_(cell) {}
 
-  /// Goes on from the last point.
-  void add(const Point& point);
+  /// Goes on from the last point. Distances from this stretch are divided by `allowed`.
+  void add(const Point& point, double allowed = 1.0);
   [[nodiscard]] const std::vector<Point>& points() const { return points_; }
-  /// Distance of `point` from the polyline; infinite when it is farther than the cell size.
+  /// Least distance of `point` from the polyline, over what is allowed there; infinite when it is
+  /// farther than the cell size.
   [[nodiscard]] double distance(const Point& point) const;
+  /// The same, or something no larger than `enough` that some stretch is near: quick for points in
+  /// the order of the path, when only the largest of their distances is wanted.
+  [[nodiscard]] double distance(const Point& point, double enough);
 
  private:
   using Key = std::int64_t;
+  /// visit(stretch) for all that may be near, until it answers no.
+  template <typename Visit>
+  void for_each_near(const Point& point, Visit visit) const;
+  [[nodiscard]] double to_stretch(const Point& point, std::size_t i) const;
   [[nodiscard]] Key key_of(const std::array<std::int64_t, 3>& cell) const;
 
   double cell_;
   std::vector<Point> points_;
+  std::vector<double> allowed_;  // of the stretch that begins at a point
   std::unordered_map<Key, std::vector<std::uint32_t>> segments_;  // by cell
+  std::size_t near_ = 0;                                          // a stretch that was near
 };
 
 /// Largest distance of the points of `from`, and of points between them, from `to`.

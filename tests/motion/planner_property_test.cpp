@@ -5,6 +5,8 @@
 
 #include "motion/setpoint_check.h"
 #include "tests/motion/dice.h"
+#include "tests/motion/program_judge.h"
+#include "tests/motion/random_program.h"
 #include "tests/motion/trajectory.h"
 
 namespace cnc::motion::test {
@@ -153,6 +155,17 @@ TEST_CASE("Overrides that change at any instant stay on the path and within the 
     world.draw(10'000'000);
     CHECK(world.planner.idle());
     require_sound(world);
+  }
+}
+
+TEST_CASE("Random programs with all modes, holds and overrides keep limits and tube",
+          "[MOT-1][MOT-2][MAN-8][MAN-9][property]") {
+  for (std::uint32_t seed = 1; seed <= 60; ++seed) {
+    Dice dice(seed);
+    const RandomProgram program = random_program(dice, 150);
+    const Verdict verdict = judge(program);
+    CHECK(verdict.refused == 0);
+    if (!verdict.is_sound()) FAIL_CHECK("seed " << seed << "\n" << smallest_failure(program));
   }
 }
 
