@@ -306,7 +306,10 @@ double largest_entry(const Step& step, double exit_x) {
 
 Range allowed_w(const Step& step, double done, double x) {
   if (done == 0.0) return range_of(rows_of(step), x);
-  Range range{-kInfinity, kInfinity};
+  // No more than anywhere at the step's begin, for which the reserve is made: what is left of a step
+  // whose q' grows small would allow any w.
+  const double most = largest_w(step, step.machine_x);
+  Range range{-most, most};
   for (const Axis axis : kAllAxes) {
     if (is_still(step, axis)) continue;
     const Demands demands = demands_of(step, axis, done);

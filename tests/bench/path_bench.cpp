@@ -5,6 +5,7 @@
 //   v=100 a=500     limits of every axis, mm/s and mm/s²
 //   feed=100        one feed for all moves, mm/s; 0: the program's own
 //   p=0.02          path tolerance (G64 P), mm; 0: exact path
+//   q=0             line simplification (G64 Q), mm
 //   judge=1         also measure limits and distances
 //   times=1         plan each program so many times over, for profiles
 //
@@ -27,12 +28,15 @@ namespace {
 using namespace cnc;
 
 struct Options {
-  std::map<std::string, double, std::less<>> values{{"v", 100.0}, {"a", 500.0},   {"feed", 100.0},
-                                                    {"p", 0.02},  {"judge", 1.0}, {"times", 1.0}};
+  std::map<std::string, double, std::less<>> values{{"v", 100.0},  {"a", 500.0}, {"feed", 100.0},
+                                                    {"p", 0.02},   {"q", 0.0},   {"judge", 1.0},
+                                                    {"times", 1.0}};
   double operator[](std::string_view name) const { return values.find(name)->second; }
 };
 
-bench::Driving driving_of(const Options& options) { return {options["feed"], options["p"]}; }
+bench::Driving driving_of(const Options& options) {
+  return {options["feed"], options["p"], options["q"]};
+}
 
 void add_arc(motion::test::Polyline& path, const Position& start, const motion::ArcShape& shape) {
   const auto arc = motion::make_arc(start, shape);
@@ -65,15 +69,19 @@ void judge(const bench::PathProgram& program, const motion::AxisLimits& limits,
     const auto drawn = planner.next();
     if (!drawn) return;
     const motion::Setpoint& setpoint = *drawn;
-    constexpr int kParts = 2;
-    for (int i = 1; i <= kParts; ++i) {
+    const auto point_at = [&](double t) {
       Position p;
       for (const Axis axis : kLinearAxes) {
-        p[axis] = motion::cubic_of(axis, judge.position, judge.velocity, setpoint)
-                      .position(setpoint.duration * i / kParts);
+        p[axis] = motion::cubic_of(axis, judge.position, judge.velocity, setpoint).position(t);
       }
-      driven.add(motion::test::point_of(p));
-    }
+      return motion::test::point_of(p);
+    };
+    // Chords that leave the cubic by a three-hundredth of the tolerance.
+    const double height = motion::test::distance_to_segment(
+        point_at(0.5 * setpoint.duration), driven.points().back(), point_at(setpoint.duration));
+    const double chord_error = std::max(options["p"] / 300.0, 1e-5);
+    const int parts = 1 + static_cast<int>(std::sqrt(height / chord_error));
+    for (int i = 1; i <= parts; ++i) driven.add(point_at(setpoint.duration * i / parts));
     judge.take(setpoint);
   });
   fmt::print(

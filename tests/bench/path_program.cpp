@@ -81,6 +81,7 @@ bool add_move(motion::Planner& planner, const ProgramMove& move, const Driving& 
   how.kind = move.kind;
   how.feed = driving.feed > 0.0 ? driving.feed : move.feed;
   how.tolerance = driving.tolerance;
+  how.simplify = driving.simplify;
   const auto added =
       move.is_arc ? planner.add_arc(move.shape, how) : planner.add_line(move.shape.end, how);
   if (!added) fmt::print(stderr, "refused: {}\n", added.error().to_string());

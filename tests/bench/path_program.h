@@ -32,6 +32,7 @@ struct PathProgram {
 struct Driving {
   double feed = 0.0;       ///< mm/s; 0: each move's own
   double tolerance = 0.0;  ///< G64 P, mm; 0: exact path
+  double simplify = 0.0;   ///< Q, mm
 };
 
 /// Adds one move; false when it was refused.

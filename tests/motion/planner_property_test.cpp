@@ -6,6 +6,7 @@
 #include "motion/setpoint_check.h"
 #include "tests/motion/dice.h"
 #include "tests/motion/program_judge.h"
+#include "tests/motion/program_text.h"
 #include "tests/motion/random_program.h"
 #include "tests/motion/trajectory.h"
 
@@ -156,6 +157,32 @@ TEST_CASE("Overrides that change at any instant stay on the path and within the 
     CHECK(world.planner.idle());
     require_sound(world);
   }
+}
+
+TEST_CASE("Programs that once left the limits keep them", "[MOT-1][property]") {
+  // A hold that began in the last bit of a step whose q' grows small braked harder than the reserve
+  // for the setpoints' cubics was made for.
+  const char* const program = GENERATE(
+      "(X Y Z: 20 20 20 mm/s, 300 30 60 mm/s2; setpoints of 0.00142213997133 s)\n"
+      "G64 P0.021\n"
+      "G1 Y-0.0004 F6000\n"
+      "G64 P0.043\n"
+      "G1 X0.038 Y-0.04 F6000\n"
+      "G1 Y0.001 F6000\n"
+      "G1 X-0.11 Y0.081 F6000\n"
+      "(6 setpoints)\n"
+      "G1 X-0.000973736190037 Y-0.000389220987685 F6000\n"
+      "(17 setpoints)\n"
+      "G61 Q0.00189001513989\n"
+      "G1 X-0.00372452850711 Y0.00390064787248 F14969.8587646\n"
+      "(29 setpoints)\n"
+      "G1 X-0.00138086028858 Y0.00270729089368 F1306.80516297\n"
+      "(22 setpoints)\n"
+      "(hold until standstill, resume)\n"
+      "G1 X0.00226193479937 Y-0.00754355534875 Z0.00332812187843 F619.90859315\n");
+  const Verdict verdict = judge(program_of(program));
+  INFO(verdict.to_string());
+  CHECK(verdict.is_sound());
 }
 
 TEST_CASE("Random programs with all modes, holds and overrides keep limits and tube",

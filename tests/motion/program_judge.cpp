@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "tests/motion/path_judge.h"
+#include "tests/motion/program_text.h"
 #include "tests/motion/shrink.h"
 
 namespace cnc::motion::test {
@@ -216,7 +217,7 @@ Verdict judge(const RandomProgram& program, const AxisLimits& planned_with) {
 std::string smallest_failure(const RandomProgram& program) {
   const RandomProgram smallest =
       shrink(program, [](const RandomProgram& p) { return !judge(p).is_sound(); });
-  return smallest.to_string() + judge(smallest).to_string();
+  return text_of(smallest) + judge(smallest).to_string();
 }
 
 }  // namespace cnc::motion::test

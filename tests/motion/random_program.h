@@ -1,10 +1,9 @@
-// Random programs for property tests: how they are made, made smaller, and printed.
+// Random programs for property tests: how they are made, and made smaller.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
 #include <functional>
-#include <string>
 #include <vector>
 
 #include "motion/planner.h"
@@ -40,8 +39,6 @@ struct RandomProgram {
   /// rounded, until one is accepted; whether one was.
   using Accept = std::function<bool(RandomProgram)>;
   bool simplify(const Accept& accept) const;
-  /// As G-code with relative moves (G91), and what else is needed to drive it again.
-  [[nodiscard]] std::string to_string() const;
 };
 
 /// What a random program may contain besides lines, arcs and rapids with one P.

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/motion/program_judge.h"
+#include "tests/motion/program_text.h"
 #include "tests/motion/random_program.h"
 
 namespace cnc::motion::test {
@@ -31,7 +32,7 @@ TEST_CASE("A failure that one move makes is shrunk to that move alone", "[proper
     if (!fails(program)) continue;
     ++failing;
     const RandomProgram smallest = shrink(program, fails);
-    CAPTURE(seed, smallest.to_string());
+    CAPTURE(seed, text_of(smallest));
     REQUIRE(smallest.size() == 1);
     const ProgramStep& step = smallest.steps.front();
     CHECK(step.way[Axis::Z] > 1.0);
@@ -65,7 +66,7 @@ TEST_CASE("A failure that takes three moves in order is shrunk to three", "[prop
     if (!fails(program)) continue;
     ++failing;
     const RandomProgram smallest = shrink(program, fails);
-    CAPTURE(seed, smallest.to_string());
+    CAPTURE(seed, text_of(smallest));
     // The hold may stand before the rapid itself.
     CHECK(smallest.size() <= 3);
     CHECK(smallest.size() >= 2);
@@ -89,7 +90,7 @@ TEST_CASE("A limit that the planner does not know of is found, and shrunk to a f
     if (!fails(program)) continue;
     ++failing;
     const RandomProgram smallest = shrink(program, fails, 600);
-    CAPTURE(seed, smallest.to_string());
+    CAPTURE(seed, text_of(smallest));
     CHECK(smallest.size() <= 2);
     CHECK(fails(smallest));
   }
@@ -100,6 +101,13 @@ TEST_CASE("A program that does not fail any more when it is asked again stays as
           "[property]") {
   const RandomProgram program = program_with_seed(1);
   CHECK(shrink(program, [](const RandomProgram&) { return false; }).size() == program.size());
+}
+
+TEST_CASE("A random program that was printed can be read again", "[property]") {
+  for (std::uint32_t seed = 1; seed <= 10; ++seed) {
+    const std::string text = text_of(program_with_seed(seed));
+    CHECK(text_of(program_of(text)) == text);
+  }
 }
 
 TEST_CASE("A random program prints as G-code", "[property]") {
@@ -117,7 +125,7 @@ TEST_CASE("A random program prints as G-code", "[property]") {
   arc.event = Event::hold;
   arc.draws = 3;
   program.steps = {line, arc};
-  CHECK(program.to_string() ==
+  CHECK(text_of(program) ==
         "(X Y Z: 100 100 100 mm/s, 500 500 500 mm/s2; setpoints of 0.005 s)\n"
         "G21 G91\n"
         "G64 P0.02\n"
