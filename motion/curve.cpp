@@ -7,8 +7,6 @@
 
 namespace cnc::motion {
 
-double norm(const Position& p) { return std::sqrt(dot(p, p)); }
-
 // --- Line ----------------------------------------------------------------------------------------
 
 Line::Line(const Position& start, const Position& end) : start_(start), end_(end) {

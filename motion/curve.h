@@ -7,6 +7,7 @@
 // that they smooth: where they cut a corner, |q'| is less than 1, but continuous from span to span.
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <variant>
 
@@ -144,6 +145,6 @@ using Curve = std::variant<Line, Arc, Cubic>;
 [[nodiscard]] Position bend_of(const Curve& curve, double s);     ///< q''(s)
 
 /// Euclidean length over all six axes, mm and degrees alike.
-[[nodiscard]] double norm(const Position& p);
+[[nodiscard]] inline double norm(const Position& p) { return std::sqrt(dot(p, p)); }
 
 }  // namespace cnc::motion

@@ -8,6 +8,7 @@
 #include <array>
 #include <cstddef>
 
+#include "motion/pair.h"
 #include "motion/tube_nodes.h"
 
 namespace cnc::motion {
@@ -28,8 +29,7 @@ class FiveDiagonalFactors {
   void solve(const std::array<NodeRow*, 3>& sides) const;
 
  private:
-  /// One row from the front and one from the back.
-  using Pair [[gnu::vector_size(2 * sizeof(double))]] = double;
+  /// Of each pair, one row from the front and one from the back.
   using PairRow = std::array<Pair, kMostNodes / 2>;
 
   /// Elements number `k` from the front and `k` + `back` from the back.

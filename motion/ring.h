@@ -15,11 +15,12 @@ namespace cnc::motion {
 template <typename T>
 class Ring {
  public:
-  explicit Ring(std::size_t capacity = 16) : slots_(std::bit_ceil(capacity)) {}
+  explicit Ring(std::size_t capacity = 16)
+      : slots_(std::bit_ceil(capacity)), mask_(slots_.size() - 1) {}
 
   [[nodiscard]] bool empty() const { return first_ == end_; }
   [[nodiscard]] std::size_t size() const { return static_cast<std::size_t>(end_ - first_); }
-  [[nodiscard]] std::size_t free() const { return slots_.size() - size(); }
+  [[nodiscard]] std::size_t free() const { return mask_ + 1 - size(); }
 
   /// Index of the oldest element and one past the newest.
   [[nodiscard]] std::uint64_t first() const { return first_; }
@@ -49,20 +50,22 @@ class Ring {
 
   /// Makes room for `wanted` elements in all; allocates when that is more than ever before.
   void reserve(std::size_t wanted) {
-    if (wanted <= slots_.size()) return;
+    if (wanted <= mask_ + 1) return;
     std::vector<T> larger(std::bit_ceil(wanted));
     for (std::uint64_t i = first_; i != end_; ++i) {
       larger[static_cast<std::size_t>(i) & (larger.size() - 1)] = std::move((*this)[i]);
     }
     slots_ = std::move(larger);
+    mask_ = slots_.size() - 1;
   }
 
  private:
   [[nodiscard]] std::size_t slot(std::uint64_t index) const {
-    return static_cast<std::size_t>(index) & (slots_.size() - 1);
+    return static_cast<std::size_t>(index) & mask_;
   }
 
   std::vector<T> slots_;
+  std::size_t mask_;  // their number, a power of 2, less 1: faster than to ask for it
   std::uint64_t first_ = 0;
   std::uint64_t end_ = 0;
 };

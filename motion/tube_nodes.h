@@ -60,6 +60,17 @@ struct TubeNodes {
   AxisArray<AxisRows> axes;
   AxisArray<bool> moves{};  ///< in this run
 
+  /// X Y Z, or A B C.
+  static constexpr std::size_t kGroup = 3;
+  [[nodiscard]] bool moves_in(std::size_t group) const {
+    const bool* first = &moves.values[kGroup * group];
+    return first[0] || first[1] || first[2];
+  }
+  [[nodiscard]] AxisRows* group(std::size_t group) { return &axes.values[kGroup * group]; }
+  [[nodiscard]] const AxisRows* group(std::size_t group) const {
+    return &axes.values[kGroup * group];
+  }
+
   void clear() {
     count = 0;
     moves = {};

@@ -24,43 +24,47 @@ std::size_t first_row(std::size_t free) { return std::max(kFirstNode, free - 1);
 // The loops over the nodes are functions of their own whose rows are declared not to overlap: only
 // then are several nodes done at once.
 
-/// A stencil applied to the control points around the nodes from `begin` to `end` − 1.
-void apply(const Stencils& __restrict stencils, const NodeRow& __restrict c, std::size_t begin,
-           std::size_t end, NodeRow& __restrict result) {
-  for (std::size_t i = begin; i < end; ++i) {
-    result[i] =
-        stencils.before[i] * c[i - 1] + stencils.at[i] * c[i] + stencils.behind[i] * c[i + 1];
-  }
-}
+using Rows = TubeNodes::AxisRows;
 
-void add_squares(const NodeRow& __restrict a, const NodeRow& __restrict b, std::size_t begin,
-                 std::size_t end, NodeRow& __restrict difference, NodeRow& __restrict squares) {
-  for (std::size_t i = begin; i < end; ++i) {
-    difference[i] = a[i] - b[i];
-    squares[i] += difference[i] * difference[i];
-  }
-}
+constexpr std::size_t kGroup = TubeRelaxation::kGroup;
 
-/// What one axis adds to the distances half-way between two nodes.
-void add_middles(const NodeRow& __restrict q, const NodeRow& __restrict q2,
-                 const NodeRow& __restrict sag, const TubeNodes::AxisRows& __restrict program,
-                 std::size_t begin, std::size_t end, NodeRow& __restrict squares,
-                 NodeRow& __restrict along) {
-  for (std::size_t i = begin; i < end; ++i) {
-    const double middle = 0.5 * (q[i] + q[i + 1]) - sag[i] * (q2[i] + q2[i + 1]);
-    const double off = middle - program.middle[i];
-    squares[i] += off * off;
-    along[i] += off * program.middle_tangent[i];
-  }
-}
-
-/// The largest distance at each node and half-way to its neighbours.
-void collect_largest(const NodeRow& __restrict at_node, const NodeRow& __restrict along,
-                     const NodeRow& __restrict scale, std::size_t last, NodeRow& __restrict across,
-                     NodeRow& __restrict largest) {
-  for (std::size_t i = kFirstNode; i < last; ++i) across[i] -= along[i] * along[i];
+/// Squares of the distances at the nodes, and half-way to the next ones, there also along the
+/// program's direction. Three axes together, and added to what others came to.
+void add_distances(const Stencils& __restrict e, const MiddleStencils& __restrict m,
+                   const Rows* __restrict axes, std::size_t last,
+                   TubeRelaxation::GroupPath& __restrict path, NodeRow& __restrict at_node,
+                   NodeRow& __restrict half_way, NodeRow& __restrict along) {
   for (std::size_t i = kFirstNode; i <= last; ++i) {
-    largest[i] = scale[i] * larger(at_node[i], larger(across[i - 1], across[i]));
+    double at = at_node[i];
+    double middle_square = half_way[i];
+    double middle_along = along[i];
+    for (std::size_t a = 0; a < kGroup; ++a) {
+      const NodeRow& c = axes[a].control;
+      const double q = e.before[i] * c[i - 1] + e.at[i] * c[i] + e.behind[i] * c[i + 1];
+      const double off = q - axes[a].point[i];
+      path[a].off[i] = off;
+      at += off * off;
+      const double middle = m.weight[0][i] * c[i - 1] + m.weight[1][i] * c[i] +
+                            m.weight[2][i] * c[i + 1] + m.weight[3][i] * c[i + 2];
+      const double aside = middle - axes[a].middle[i];
+      middle_square += aside * aside;
+      middle_along += aside * axes[a].middle_tangent[i];
+    }
+    at_node[i] = at;
+    half_way[i] = middle_square;
+    along[i] = middle_along;
+  }
+}
+
+/// The largest distance at each node and half-way to its neighbours, there across the program's
+/// direction only.
+void collect_largest(const NodeRow& __restrict at_node, const NodeRow& __restrict along,
+                     const NodeRow& __restrict scale, std::size_t last,
+                     NodeRow& __restrict half_way, NodeRow& __restrict largest) {
+  for (std::size_t i = kFirstNode; i < last; ++i) half_way[i] -= along[i] * along[i];
+  half_way[last] = 0.0;
+  for (std::size_t i = kFirstNode; i <= last; ++i) {
+    largest[i] = scale[i] * larger(at_node[i], larger(half_way[i - 1], half_way[i]));
   }
 }
 
@@ -85,19 +89,33 @@ double stiffen_offender(double off_squared) {
   return larger(1.0, smaller(10.0, off_squared * root));
 }
 
-void multiply(const NodeRow& __restrict a, const NodeRow& __restrict b, std::size_t begin,
-              std::size_t end, NodeRow& __restrict product) {
-  for (std::size_t i = begin; i < end; ++i) product[i] = a[i] * b[i];
+/// The negative gradient of what changed since the control points were a solution: stiffnesses.
+void gather_forces(const Stencils& __restrict e, const NodeRow& __restrict stiffness,
+                   const NodeRow& __restrict balance, std::size_t begin, std::size_t end,
+                   TubeRelaxation::GroupPath& __restrict path) {
+  for (std::size_t j = begin; j < end; ++j) {
+    const double before = e.before[j + 1] * (balance[j + 1] - stiffness[j + 1]);
+    const double at = e.at[j] * (balance[j] - stiffness[j]);
+    const double behind = e.behind[j - 1] * (balance[j - 1] - stiffness[j - 1]);
+    for (std::size_t a = 0; a < kGroup; ++a) {
+      const NodeRow& off = path[a].off;
+      path[a].correction[j] = before * off[j + 1] + at * off[j] + behind * off[j - 1];
+    }
+  }
 }
 
-/// The negative gradient: what the nodes' forces and moments do to each control point.
-void gather(const Stencils& __restrict e, const NodeRow& __restrict force,
-            const Stencils& __restrict d, const NodeRow& __restrict moment, std::size_t begin,
-            std::size_t end, NodeRow& __restrict downhill) {
+/// The bending's part of it, when they were no solution at all.
+void add_moments(const TubeNodes& nodes, const NodeRow& c, std::size_t begin, std::size_t end,
+                 NodeRow& __restrict downhill) {
+  const Stencils& d = nodes.bend;
+  NodeRow moment{};
+  for (std::size_t i = kFirstNode; i + 1 < end; ++i) {
+    moment[i] =
+        nodes.weight[i] * (d.before[i] * c[i - 1] + d.at[i] * c[i] + d.behind[i] * c[i + 1]);
+  }
   for (std::size_t j = begin; j < end; ++j) {
-    downhill[j] =
-        -(d.before[j + 1] * moment[j + 1] + d.at[j] * moment[j] + d.behind[j - 1] * moment[j - 1] +
-          e.before[j + 1] * force[j + 1] + e.at[j] * force[j] + e.behind[j - 1] * force[j - 1]);
+    downhill[j] -=
+        d.before[j + 1] * moment[j + 1] + d.at[j] * moment[j] + d.behind[j - 1] * moment[j - 1];
   }
 }
 
@@ -137,7 +155,7 @@ bool TubeRelaxation::relax(TubeNodes& nodes, std::size_t free, std::size_t last,
     } else {
       stiffen_by([](double off) { return stiffen_offender(off); });
     }
-    correct(nodes, free, last);
+    correct(nodes, free, last, round > 0);
   }
 }
 
@@ -151,9 +169,17 @@ void TubeRelaxation::prepare(const TubeNodes& nodes, std::size_t last) {
   const Stencils& e = nodes.position;
   const Stencils& d = nodes.bend;
   const NodeRow& w = nodes.weight;
+  balance_.fill(0.0);
   for (std::size_t i = kFirstNode; i <= last; ++i) {
     scale_[i] = nodes.fixed[i] ? 0.0 : 1.0 / square(kTarget * nodes.tolerance[i]);
-    sag_[i] = nodes.step[i] * nodes.step[i] / 16.0;
+  }
+  // ½ (q + q of the next node) − h²/16 (q'' + q'' of the next node); nothing behind the last node.
+  for (std::size_t i = kFirstNode; i < last; ++i) {
+    const double sag = square(nodes.step[i]) / 16.0;
+    middle_.weight[0][i] = 0.5 * e.before[i] - sag * d.before[i];
+    middle_.weight[1][i] = 0.5 * (e.at[i] + e.before[i + 1]) - sag * (d.at[i] + d.before[i + 1]);
+    middle_.weight[2][i] = 0.5 * (e.behind[i] + e.at[i + 1]) - sag * (d.behind[i] + d.at[i + 1]);
+    middle_.weight[3][i] = 0.5 * e.behind[i + 1] - sag * d.behind[i + 1];
   }
   for (std::size_t i = kFirstNode; i <= last + 2; ++i) {
     share_.before[i] = e.before[i] * e.before[i];
@@ -164,63 +190,46 @@ void TubeRelaxation::prepare(const TubeNodes& nodes, std::size_t last) {
     share_.before_behind[i] = e.before[i] * e.behind[i];
   }
   for (std::size_t j = kFirstNode - 1; j <= last + 1; ++j) {
-    bending_.diagonal[j] = w[j + 1] * d.before[j + 1] * d.before[j + 1] + w[j] * d.at[j] * d.at[j] +
-                           w[j - 1] * d.behind[j - 1] * d.behind[j - 1];
+    bending_.diagonal[j] = w[j + 1] * square(d.before[j + 1]) + w[j] * square(d.at[j]) +
+                           w[j - 1] * square(d.behind[j - 1]);
     bending_.beside[j] = w[j] * d.at[j] * d.behind[j] + w[j + 1] * d.before[j + 1] * d.at[j + 1];
     bending_.beyond[j] = w[j + 1] * d.before[j + 1] * d.behind[j + 1];
   }
 }
 
-/// Distances from the program at the nodes, and half-way between them: the middle of a span counts
-/// for both its nodes, across the program's direction only.
 void TubeRelaxation::measure(const TubeNodes& nodes, std::size_t last) {
   at_node_.fill(0.0);
-  across_.fill(0.0);
+  half_way_.fill(0.0);
   along_.fill(0.0);
-  for (const Axis axis : kAllAxes) {
-    if (!nodes.moves[axis]) continue;
-    const TubeNodes::AxisRows& program = nodes.axes[axis];
-    Measured& path = measured_[axis];
-    apply(nodes.position, program.control, kFirstNode, last + 1, path.q);
-    apply(nodes.bend, program.control, kFirstNode, last + 1, path.q2);
-    add_squares(path.q, program.point, kFirstNode, last + 1, path.off, at_node_);
-    add_middles(path.q, path.q2, sag_, program, kFirstNode, last, across_, along_);
+  for (std::size_t group = 0; group < path_.size(); ++group) {
+    if (!nodes.moves_in(group)) continue;
+    add_distances(nodes.position, middle_, nodes.group(group), last, path_[group], at_node_,
+                  half_way_, along_);
   }
-  collect_largest(at_node_, along_, scale_, last, across_, off_);
+  collect_largest(at_node_, along_, scale_, last, half_way_, off_);
 }
 
 /// Newton's step from the present control points: solving for them anew would be singular to
-/// rounding on long straight lines with a free end.
-void TubeRelaxation::correct(TubeNodes& nodes, std::size_t free, std::size_t last) {
-  assemble(bending_, share_, nodes.stiffness, free, last + 2, matrix_);
-  factors_.factorise(matrix_, free, last + 2);
-  for (const auto& group : {kLinearAxes, kRotaryAxes}) {
-    if (std::none_of(group.begin(), group.end(), [&](Axis axis) { return nodes.moves[axis]; })) {
-      continue;
+/// rounding on long straight lines with a free end. `in_balance`: they are a solution for what the
+/// stiffnesses were.
+void TubeRelaxation::correct(TubeNodes& nodes, std::size_t free, std::size_t last,
+                             bool in_balance) {
+  const std::size_t end = last + 2;
+  assemble(bending_, share_, nodes.stiffness, free, end, matrix_);
+  factors_.factorise(matrix_, free, end);
+  for (std::size_t group = 0; group < path_.size(); ++group) {
+    if (!nodes.moves_in(group)) continue;
+    GroupPath& path = path_[group];
+    TubeNodes::AxisRows* axes = nodes.group(group);
+    gather_forces(nodes.position, nodes.stiffness, balance_, free, end, path);
+    for (std::size_t a = 0; a < kGroup; ++a) {
+      if (!in_balance) add_moments(nodes, axes[a].control, free, end, path[a].correction);
+      path[a].correction[end] = 0.0;
     }
-    for (const Axis axis : group) {
-      if (nodes.moves[axis]) descend(nodes, axis, free, last);
-    }
-    factors_.solve({&measured_[group[0]].correction, &measured_[group[1]].correction,
-                    &measured_[group[2]].correction});
-    for (const Axis axis : group) {
-      if (!nodes.moves[axis]) continue;
-      add(measured_[axis].correction, free, last + 2, nodes.axes[axis].control);
-    }
+    factors_.solve({&path[0].correction, &path[1].correction, &path[2].correction});
+    for (std::size_t a = 0; a < kGroup; ++a) add(path[a].correction, free, end, axes[a].control);
   }
-}
-
-void TubeRelaxation::descend(const TubeNodes& nodes, Axis axis, std::size_t free,
-                             std::size_t last) {
-  NodeRow& force = at_node_;
-  NodeRow& moment = across_;
-  multiply(nodes.stiffness, measured_[axis].off, kFirstNode, last + 1, force);
-  multiply(nodes.weight, measured_[axis].q2, kFirstNode, last + 1, moment);
-  for (const std::size_t i : {kFirstNode - 2, kFirstNode - 1, last + 1, last + 2}) {
-    force[i] = moment[i] = 0.0;
-  }
-  gather(nodes.position, force, nodes.bend, moment, free, last + 2, measured_[axis].correction);
-  measured_[axis].correction[last + 2] = 0.0;
+  balance_ = nodes.stiffness;
 }
 
 }  // namespace cnc::motion

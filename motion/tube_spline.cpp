@@ -178,7 +178,7 @@ void TubeSpline::break_run(std::size_t node, std::size_t last_node, bool run_end
 /// The outermost control points move so that the run's ends are met exactly.
 void TubeSpline::meet_start() {
   const Stencils& e = nodes_.position;
-  constexpr std::size_t i = kFirstNode;
+  const std::size_t i = kFirstNode;
   for (TubeNodes::AxisRows& axis : nodes_.axes.values) {
     NodeRow& c = axis.control;
     c[i - 1] = (axis.point[i] - e.at[i] * c[i] - e.behind[i] * c[i + 1]) / e.before[i];

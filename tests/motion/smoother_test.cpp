@@ -266,6 +266,30 @@ TEST_CASE("Tolerances that change from move to move are kept", "[MOT-2][property
   require_inside(drive, wide);
 }
 
+TEST_CASE("Axes that turn along are in the tube with their degrees", "[MOT-2][GCO-6][property]") {
+  for (std::uint32_t seed = 1; seed <= 60; ++seed) {
+    Dice dice(seed);
+    const double tolerance = dice.scale(0.01, 0.2);
+    Planner planner(reference_settings(), {});
+    Path path({});
+    Position end;
+    for (int i = 0; i < 150; ++i) {
+      const double size = dice.scale(0.02, 5.0);
+      for (const Axis axis : {Axis::X, Axis::Y, Axis::A, Axis::B}) {
+        end[axis] += size * dice.between(-0.4, 1.0);
+      }
+      add_line(planner, path, end, smooth(80.0, tolerance));
+    }
+    const Trajectory trajectory = draw_all(planner);
+    const Usage usage = usage_of(trajectory, reference_limits());
+    INFO("seed " << seed << ", P " << tolerance);
+    CHECK(usage.velocity <= 1.0 + 1e-6);
+    CHECK(usage.acceleration <= 1.0 + 1e-4);
+    CHECK(path.deviation_of(trajectory, 0.002) <= tolerance);
+    CHECK(planner.position() == end);
+  }
+}
+
 TEST_CASE("A prediction takes exactly as long as the setpoints", "[JOB-5][MOT-1][property]") {
   const auto seed = static_cast<std::uint32_t>(GENERATE(range(1, 31)));
   CAPTURE(seed);
