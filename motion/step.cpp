@@ -88,12 +88,19 @@ Range range_of(std::span<const Row> rows, double x) {
 /// never past it, and exact after a few rounds.
 double largest_common_x(std::span<const Row> rows, double x) {
   for (;;) {
-    const Range range = range_of(rows, x);
+    Range range{-kInfinity, kInfinity};
+    const Row* lower = nullptr;
+    const Row* upper = nullptr;
+    for (const Row& row : rows) {
+      const double centre = -row.slope * x;
+      const double low = centre - row.width;
+      const double high = centre + row.width;
+      lower = low > range.low ? &row : lower;
+      range.low = low > range.low ? low : range.low;
+      upper = high < range.high ? &row : upper;
+      range.high = high < range.high ? high : range.high;
+    }
     if (range.low <= range.high) return x;
-    const auto lower = std::ranges::find_if(
-        rows, [&](const Row& row) { return -row.width - row.slope * x == range.low; });
-    const auto upper = std::ranges::find_if(
-        rows, [&](const Row& row) { return row.width - row.slope * x == range.high; });
     const double meet = (lower->width + upper->width) / (upper->slope - lower->slope);
     if (!(meet < x)) return x;  // rounding
     x = meet;
@@ -306,8 +313,8 @@ double largest_entry(const Step& step, double exit_x) {
 
 Range allowed_w(const Step& step, double done, double x) {
   if (done == 0.0) return range_of(rows_of(step), x);
-  // No more than anywhere at the step's begin, for which the reserve is made: what is left of a step
-  // whose q' grows small would allow any w.
+  // No more than anywhere at the step's begin, for which the reserve is made: what is left of a
+  // step whose q' grows small would allow any w.
   const double most = largest_w(step, step.machine_x);
   Range range{-most, most};
   for (const Axis axis : kAllAxes) {

@@ -33,6 +33,22 @@ constexpr double kRounding = 1e-9;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
+/// Of the axes that may move.
+Position inverse(const Position& limit) {
+  Position result;
+  for (const Axis axis : kAllAxes) result[axis] = limit[axis] > 0.0 ? 1.0 / limit[axis] : 0.0;
+  return result;
+}
+
+/// 1 / largest_along(), without a division for every axis.
+double largest_share(const Position& direction, const Position& per_limit) {
+  double share = 0.0;
+  for (const Axis axis : kAllAxes) {
+    share = std::max(share, std::abs(direction[axis] * per_limit[axis]));
+  }
+  return share;
+}
+
 bool is_further(const Place& a, const Place& b) {
   return a.step != b.step ? a.step > b.step : a.done > b.done;
 }
@@ -46,6 +62,8 @@ bool is_end_of(const Step& step, double done) {
 
 Track::Track(const AxisLimits& limits, std::size_t steps_behind)
     : limits_(limits),
+      per_velocity_(inverse(limits.max_velocity)),
+      per_acceleration_(inverse(limits.max_acceleration)),
       pieces_(kMostStepsAhead + steps_behind),
       steps_(kMostStepsAhead + steps_behind) {}
 
@@ -145,8 +163,8 @@ void Track::push_unplanned(const Piece& wanted, bool stop_before) {
   const double feed = piece.kind == MoveKind::feed
                           ? piece.feed * std::max(1.0, overrides_.feed_of(piece))
                           : kInfinity;
-  const double speed = std::min(feed, largest_along(direction, limits_.max_velocity));
-  const double acceleration = largest_along(direction, limits_.max_acceleration);
+  const double speed = std::min(feed, 1.0 / largest_share(direction, per_velocity_));
+  const double acceleration = 1.0 / largest_share(direction, per_acceleration_);
   look_ahead_ = std::max(look_ahead_, speed * speed / acceleration + speed * kLookAheadTime);
 
   piece.grid = grid_length(piece.curve, piece.begin, piece.end, speed, acceleration);

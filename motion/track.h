@@ -126,6 +126,8 @@ class Track {
   [[nodiscard]] bool steps_are_many() const;
 
   AxisLimits limits_;
+  Position per_velocity_;      // 1 / limit
+  Position per_acceleration_;  // likewise
   Overrides overrides_;
   std::uint32_t plan_ = 0;  // counts the changes of the overrides
   Ring<Piece> pieces_;

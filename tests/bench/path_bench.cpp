@@ -20,6 +20,7 @@
 #include <vector>
 
 #include "motion/planner.h"
+#include "motion/smoother.h"
 #include "tests/bench/path_program.h"
 #include "tests/motion/path_judge.h"
 
@@ -92,6 +93,35 @@ void judge(const bench::PathProgram& program, const motion::AxisLimits& limits,
       motion::test::largest_distance(programmed, driven), judge.setpoints);
 }
 
+/// Moves per second that are smoothed, without being timed: what one of two threads would do.
+double smoothing_rate(const bench::PathProgram& program, const motion::AxisLimits& limits,
+                      const bench::Driving& driving) {
+  motion::Smoother smoother(limits);
+  Position at;
+  const std::clock_t begin = std::clock();
+  for (const bench::ProgramMove& move : program.moves) {
+    motion::Piece piece;
+    piece.kind = move.kind;
+    piece.feed = driving.feed > 0.0 ? driving.feed : move.feed;
+    piece.tolerance = driving.tolerance;
+    if (move.is_arc) {
+      const auto arc = motion::make_arc(at, move.shape);
+      if (!arc) continue;
+      piece.curve = *arc;
+    } else {
+      piece.curve = motion::Line(at, move.shape.end);
+    }
+    piece.end = motion::length_of(piece.curve);
+    at = move.shape.end;
+    if (piece.end < motion::kShortest) continue;
+    smoother.add(piece);
+    while (smoother.ready()) smoother.pop();
+  }
+  smoother.finish();
+  const double seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+  return static_cast<double>(program.moves.size()) / seconds;
+}
+
 void measure(const std::string& path, const Options& options) {
   const bench::PathProgram program = bench::read_program(path);
   const motion::AxisLimits limits{Position::filled(options["v"]), Position::filled(options["a"])};
@@ -110,10 +140,11 @@ void measure(const std::string& path, const Options& options) {
   }
   const auto [predicted, plan_rate] = rate([](motion::Planner& planner) { return planner.skip(); });
   const auto [time, rate_all] = rate([](motion::Planner& planner) { return planner.next(); });
+  const double smoothed = smoothing_rate(program, limits, driving_of(options));
   fmt::print(
-      "{:<28} {:>9.3f} s, predicted {:>9.3f} s; {} moves, planned {:>7.0f}/s, with setpoints "
-      "{:>7.0f}/s\n",
-      program.name, time, predicted, program.moves.size(), plan_rate, rate_all);
+      "{:<28} {:>9.3f} s, predicted {:>9.3f} s; {} moves, planned {:>7.0f}/s (smoothing alone "
+      "{:>7.0f}/s), with setpoints {:>7.0f}/s\n",
+      program.name, time, predicted, program.moves.size(), plan_rate, smoothed, rate_all);
   if (options["judge"] != 0.0) judge(program, limits, options);
 }
 
