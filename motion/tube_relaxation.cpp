@@ -78,7 +78,8 @@ void stiffen(const NodeRow& __restrict off, const NodeRow& __restrict least,
   }
 }
 
-double balance(double off_squared) {
+/// The power of 1.5 of the distance: less stiffness where there is room.
+double adjust(double off_squared) {
   const double off = std::sqrt(off_squared);
   return larger(0.1, smaller(10.0, off * std::sqrt(off)));
 }
@@ -151,7 +152,7 @@ bool TubeRelaxation::relax(TubeNodes& nodes, std::size_t free, std::size_t last,
               factor);
     };
     if (round < kRounds) {
-      stiffen_by([](double off) { return balance(off); });
+      stiffen_by([](double off) { return adjust(off); });
     } else {
       stiffen_by([](double off) { return stiffen_offender(off); });
     }
