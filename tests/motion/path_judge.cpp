@@ -129,11 +129,14 @@ double largest_distance(const Polyline& from, const Polyline& to) {
 }
 
 void LimitJudge::take(const Setpoint& setpoint) {
+  // The last digits of a position, seen over the square of a very short duration.
+  const double rounding = 6.0 * 4e-15 / (setpoint.duration * setpoint.duration);
   double speed = 0.0;
   for (const Axis axis : kAllAxes) {
     const auto cubic = cubic_of(axis, position, velocity, setpoint);
     const double a =
-        std::max(std::abs(cubic.start_acceleration()), std::abs(cubic.end_acceleration()));
+        std::max(std::abs(cubic.start_acceleration()), std::abs(cubic.end_acceleration())) -
+        rounding * (1.0 + std::abs(cubic.p1));
     acceleration_ratio = std::max(acceleration_ratio, a / limits.max_acceleration[axis]);
     velocity_ratio = std::max(velocity_ratio, cubic.fastest() / limits.max_velocity[axis]);
     if (!is_rotary(axis)) speed += setpoint.velocity[axis] * setpoint.velocity[axis];

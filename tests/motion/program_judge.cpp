@@ -34,6 +34,7 @@ class Drive {
         judge_{.limits = program.settings.limits, .position = {}, .velocity = {}} {
     programmed_.add({});
     driven_.add({});
+    driven_.add({});  // a stretch of no length, for a program that moves nothing
   }
 
   Verdict run() {
