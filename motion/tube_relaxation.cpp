@@ -8,7 +8,7 @@ namespace cnc::motion {
 namespace {
 
 /// Part of the tolerance that is accepted; what is left is for the path between the nodes.
-constexpr double kAccepted = 0.96;
+constexpr double kAccepted = 0.95;
 
 constexpr int kRounds = 4;        // then only what leaves the tube is stiffened
 constexpr int kExtraRounds = 30;  // then the run is broken

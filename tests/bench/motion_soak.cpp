@@ -44,7 +44,9 @@ int soak(long segments, std::uint32_t seed) {
     const Verdict verdict = judge(program);
     include(worst, verdict);
     if (!verdict.is_sound()) {
-      fmt::print("seed {} fails: {}\n{}\n", seed, verdict.to_string(), smallest_failure(program));
+      fmt::print("seed {} fails: {}\n", seed, verdict.to_string());
+      std::fflush(stdout);
+      fmt::print("{}\n", smallest_failure(program));
       return EXIT_FAILURE;
     }
     if (done / 1'000'000 != (done + kMovesOfProgram) / 1'000'000) {

@@ -77,10 +77,10 @@ void judge(const bench::PathProgram& program, const motion::AxisLimits& limits,
       }
       return motion::test::point_of(p);
     };
-    // Chords that leave the cubic by a three-hundredth of the tolerance.
+    // Chords that leave the cubic by a three-thousandth of the tolerance.
     const double height = motion::test::distance_to_segment(
         point_at(0.5 * setpoint.duration), driven.points().back(), point_at(setpoint.duration));
-    const double chord_error = std::max(options["p"] / 300.0, 1e-5);
+    const double chord_error = std::max(options["p"] / 3000.0, 1e-6);
     const int parts = 1 + static_cast<int>(std::sqrt(height / chord_error));
     for (int i = 1; i <= parts; ++i) driven.add(point_at(setpoint.duration * i / parts));
     judge.take(setpoint);
@@ -139,12 +139,18 @@ void measure(const std::string& path, const Options& options) {
     (void)rate([](motion::Planner& planner) { return planner.skip(); });
   }
   const auto [predicted, plan_rate] = rate([](motion::Planner& planner) { return planner.skip(); });
-  const auto [time, rate_all] = rate([](motion::Planner& planner) { return planner.next(); });
+  double rapids = 0.0;
+  const auto [time, rate_all] = rate([&](motion::Planner& planner) {
+    auto setpoint = planner.next();
+    if (setpoint && setpoint->feed_limit == 0.0) rapids += setpoint->duration;
+    return setpoint;
+  });
   const double smoothed = smoothing_rate(program, limits, driving_of(options));
   fmt::print(
-      "{:<28} {:>9.3f} s, predicted {:>9.3f} s; {} moves, planned {:>7.0f}/s (smoothing alone "
-      "{:>7.0f}/s), with setpoints {:>7.0f}/s\n",
-      program.name, time, predicted, program.moves.size(), plan_rate, smoothed, rate_all);
+      "{:<28} {:>9.3f} s, {:.2f} s of it rapids, predicted {:>9.3f} s; {} moves, planned "
+      "{:>7.0f}/s "
+      "(smoothing alone {:>7.0f}/s), with setpoints {:>7.0f}/s\n",
+      program.name, time, rapids, predicted, program.moves.size(), plan_rate, smoothed, rate_all);
   if (options["judge"] != 0.0) judge(program, limits, options);
 }
 

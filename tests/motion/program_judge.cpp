@@ -20,6 +20,7 @@ constexpr double kExact = 2e-4;
 double chord_error(double allowed) { return std::max(0.003 * allowed, 1e-5); }
 
 double allowed_by(const MoveOptions& options) {
+  if (options.kind == MoveKind::rapid) return kExact;
   return options.simplify + (options.tolerance > 0.0 ? options.tolerance : kExact);
 }
 
@@ -56,9 +57,7 @@ class Drive {
     double largest = 0.0;
     double way = 0.0;
     for (const ProgramStep& step : program.steps) {
-      if (step.options.kind == MoveKind::feed) {
-        largest = std::max(largest, allowed_by(step.options));
-      }
+      largest = std::max(largest, allowed_by(step.options));
       way += norm(step.way);
     }
     const double mean = way / static_cast<double>(std::max<std::size_t>(program.size(), 1));
@@ -82,7 +81,7 @@ class Drive {
     const Position start = planner_.queue_end();
     MoveOptions options = step.options;
     options.tag.id = index_;
-    const double allowed = step.options.kind == MoveKind::feed ? allowed_by(options) : kExact;
+    const double allowed = allowed_by(options);
     const Position end = start + step.way;
     if (!step.is_arc) {
       if (!planner_.add_line(end, options)) return refuse();
