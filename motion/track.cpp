@@ -53,9 +53,11 @@ bool is_further(const Place& a, const Place& b) {
   return a.step != b.step ? a.step > b.step : a.done > b.done;
 }
 
-/// The end of a step is reached when less than rounding is left.
-bool is_end_of(const Step& step, double done) {
-  return step.length - done <= 1e-12 * (1.0 + step.length);
+/// The end of a step is reached when less than rounding is left. At rest a little earlier: speeding
+/// up and slowing down over what is left must not end half-way, with the speed of its middle.
+bool is_end_of(const Step& step, double done, double speed) {
+  const double rounding = speed > 0.0 ? 1e-12 : 1e-11;
+  return step.length - done <= rounding * (1.0 + step.length);
 }
 
 }  // namespace
@@ -371,7 +373,8 @@ std::optional<Leg> Track::leg_from(const Place& place, bool braking) const {
 
 Place Track::behind(const Place& place, const Leg& leg) const {
   const double done = place.done + leg.length;
-  if (is_end_of(steps_[place.step], done)) return {place.step + 1, 0.0, leg.end_speed, {}, plan_};
+  if (is_end_of(steps_[place.step], done, leg.end_speed))
+    return {place.step + 1, 0.0, leg.end_speed, {}, plan_};
   return {place.step, done, leg.end_speed, {}, plan_};
 }
 
