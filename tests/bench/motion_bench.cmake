@@ -11,3 +11,5 @@ cnc_bench(motion_soak
   SOURCES motion_soak.cpp ../motion/path_judge.cpp ../motion/program_judge.cpp ../motion/program_text.cpp ../motion/random_program.cpp
   LINKS cnc_motion)
 target_include_directories(motion_soak PRIVATE "${CMAKE_BINARY_DIR}/rooms/tests")
+cnc_bench(planner_pictures SOURCES planner_pictures.cpp svg.cpp ../motion/time_bound.cpp
+          LINKS cnc_path_program)
