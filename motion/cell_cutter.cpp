@@ -34,51 +34,86 @@ double jerking_time(const SpeedCell& cell) {
 }  // namespace
 
 CellCutter::CellCutter(const JerkLimits& limits, std::size_t max_intervals)
-    : intervals(max_intervals), limits_(limits) {}
+    : limits_(limits), intervals_(max_intervals), stops_(max_intervals) {}
 
 void CellCutter::append(const PathInterval& interval) {
-  intervals.push_back(interval);
-  left_ += interval.length;
-  closed_ = false;
+  intervals_.push_back(interval);
+  if (!at_.end_is_known) at_.left += interval.length;
+}
+
+void CellCutter::stop_at_end() {
+  const std::uint64_t end = intervals_.end();
+  if (!stops_.empty() && stops_.back() == end) return;
+  stops_.push_back(end);
+  if (path_left()) at_.end_is_known = true;
+}
+
+void CellCutter::clear() {
+  intervals_.clear();
+  stops_.clear();
+  at_ = {};
+  at_.place.interval = intervals_.end();
+}
+
+void CellCutter::forget_before(std::uint64_t interval) {
+  while (!intervals_.empty() && intervals_.first() < interval) intervals_.pop_front();
+  while (!stops_.empty() && stops_.front() < interval) stops_.pop_front();
+}
+
+/// The first stop behind the begin of an interval; the end of the path if there is none.
+std::uint64_t CellCutter::next_stop(std::uint64_t interval) const {
+  std::uint64_t low = stops_.first();
+  std::uint64_t high = stops_.end();
+  while (low < high) {
+    const std::uint64_t middle = low + (high - low) / 2;
+    if (stops_[middle] <= interval) {
+      low = middle + 1;
+    } else {
+      high = middle;
+    }
+  }
+  return low == stops_.end() ? intervals_.end() : stops_[low];
 }
 
 void CellCutter::go_to(const PathPlace& place, double previous) {
-  place_ = place;
-  previous_ = previous;
-  ends_early_ = false;
-  left_ = -place.start;
-  for (std::uint64_t i = place.interval; i < intervals.end(); ++i) left_ += intervals[i].length;
+  at_.place = behind(place, 0.0);
+  at_.previous = previous;
+  at_.ends_early = false;
+  const std::uint64_t end = next_stop(at_.place.interval);
+  at_.left = -at_.place.start;
+  for (std::uint64_t i = at_.place.interval; i < end; ++i) at_.left += intervals_[i].length;
+  at_.end_is_known = path_left() && !stops_.empty() && stops_.back() >= end;
 }
 
 void CellCutter::end_after(double length) {
-  left_ = length;
-  ends_early_ = true;
+  at_.left = length;
+  at_.ends_early = true;
 }
 
 PathPlace CellCutter::behind(PathPlace place, double length) const {
   place.start += length;
-  while (place.interval + 1 < intervals.end() &&
-         place.start >= intervals[place.interval].length - kShortestCell) {
-    place.start = std::max(0.0, place.start - intervals[place.interval].length);
+  while (place.interval + 1 < intervals_.end() &&
+         place.start >= intervals_[place.interval].length - kShortestCell) {
+    place.start = std::max(0.0, place.start - intervals_[place.interval].length);
     ++place.interval;
   }
   return place;
 }
 
 void CellCutter::move_on(double length) {
-  place_ = behind(place_, length);
-  left_ -= length;
+  at_.place = behind(at_.place, length);
+  at_.left -= length;
 }
 
 void CellCutter::skip(double length) {
   move_on(length);
-  previous_ = length;
+  at_.previous = length;
 }
 
 Reach CellCutter::reach_of(PathPlace at, double length) const {
   Reach reach;
-  while (length > kShortestCell && at.interval < intervals.end()) {
-    const PathInterval& interval = intervals[at.interval];
+  while (length > kShortestCell && at.interval < intervals_.end()) {
+    const PathInterval& interval = intervals_[at.interval];
     const double part = std::min(length, interval.length - at.start);
     if (part > 0.0) reach.include(make_cell(interval, at.start, part, limits_).reach);
     length -= part;
@@ -88,36 +123,37 @@ Reach CellCutter::reach_of(PathPlace at, double length) const {
 }
 
 double CellCutter::begin_run() {
-  standstill_ = std::min(kStandstill, kShareOfShortWay * left_);
-  return standstill_;
+  at_.standstill = std::min(kStandstill, kShareOfShortWay * at_.left);
+  return at_.standstill;
 }
 
 /// Cells shrink towards the end as they grow from the start; the last stretch is left for the stop.
 double CellCutter::length_towards_end() const {
-  const double before_stop = left_ - standstill_;
-  if (before_stop < 0.7 * standstill_) return 0.0;
-  return std::max(0.7 * standstill_, before_stop * (1.0 - 1.0 / kGrowth));
+  const double before_stop = at_.left - at_.standstill;
+  if (before_stop < 0.7 * at_.standstill) return 0.0;
+  return std::max(0.7 * at_.standstill, before_stop * (1.0 - 1.0 / kGrowth));
 }
 
 double CellCutter::stop_length() const {
   const bool at_end = end_is_final() && length_towards_end() == 0.0;
-  return at_end ? left_ : std::min(left_, previous_);
+  return at_end ? at_.left : std::min(at_.left, at_.previous);
 }
 
 /// Where the present interval wants no shorter cells.
 double CellCutter::longest_here() const {
-  const PathInterval& interval = intervals[place_.interval];
-  const SpeedCell cell = make_cell(interval, place_.start, interval.length - place_.start, limits_);
+  const PathInterval& interval = intervals_[at_.place.interval];
+  const SpeedCell cell =
+      make_cell(interval, at_.place.start, interval.length - at_.place.start, limits_);
   const double v = speed_on(cell);
   const double a = cell.reach.a_first;
   return std::max(kPartOfJerking * v * jerking_time(cell), kPartOfAccelerating * v * v / a);
 }
 
 double CellCutter::next_length() const {
-  if (place_.interval >= intervals.end()) return 0.0;
-  const double rest = intervals[place_.interval].length - place_.start;
+  if (at_.place.interval >= intervals_.end()) return 0.0;
+  const double rest = intervals_[at_.place.interval].length - at_.place.start;
   const double towards_end = length_towards_end();
-  double length = std::min(rest, kGrowth * previous_);
+  double length = std::min(rest, kGrowth * at_.previous);
   if (length > kShortestCell) length = std::min(length, longest_here());
   if (towards_end < length && !end_is_final()) return 0.0;
   length = std::min(length, towards_end);
@@ -128,7 +164,7 @@ double CellCutter::next_length() const {
 }
 
 SpeedCell CellCutter::cell_at(const PathPlace& place, double length) const {
-  SpeedCell cell = make_cell(intervals[place.interval], place.start, length, limits_);
+  SpeedCell cell = make_cell(intervals_[place.interval], place.start, length, limits_);
   cell.interval = place.interval;
   return cell;
 }
@@ -136,9 +172,9 @@ SpeedCell CellCutter::cell_at(const PathPlace& place, double length) const {
 std::optional<SpeedCell> CellCutter::next() {
   const double length = next_length();
   if (length == 0.0) return std::nullopt;
-  const SpeedCell cell = cell_at(place_, length);
+  const SpeedCell cell = cell_at(at_.place, length);
   move_on(length);
-  previous_ = length;
+  at_.previous = length;
   return cell;
 }
 

@@ -1,5 +1,6 @@
-// Cuts the path into the cells of the third-order plan: at least one per interval, short where the
-// motion starts and stops, never growing fast.
+// Keeps the path, with the places at which the motion has to stand, and cuts it into the cells of
+// the third-order plan: at least one per interval, short where the motion starts and stops, never
+// growing fast.
 #pragma once
 
 #include <cstdint>
@@ -27,17 +28,22 @@ class CellCutter {
  public:
   CellCutter(const JerkLimits& limits, std::size_t max_intervals);
 
-  Ring<PathInterval> intervals;
+  [[nodiscard]] const Ring<PathInterval>& intervals() const { return intervals_; }
 
+  [[nodiscard]] bool has_room() const { return intervals_.free() > 0 && stops_.free() > 1; }
   void append(const PathInterval& interval);
-  /// Nothing follows: the end may be approached.
-  void close() { closed_ = true; }
-  [[nodiscard]] bool closed() const { return closed_; }
+  /// The motion has to stand at the present end of the path.
+  void stop_at_end();
+  void clear();
+  /// Forgets the intervals before number `interval`.
+  void forget_before(std::uint64_t interval);
 
-  [[nodiscard]] const PathPlace& place() const { return place_; }
-  /// Length of what is not cut yet.
-  [[nodiscard]] double left() const { return left_; }
-  [[nodiscard]] bool path_left() const { return left_ > 1e-9; }
+  [[nodiscard]] const PathPlace& place() const { return at_.place; }
+  /// Length of what is not cut yet, up to the next stop.
+  [[nodiscard]] double left() const { return at_.left; }
+  [[nodiscard]] bool path_left() const { return at_.left > 1e-9; }
+  /// The stop at which the cells will end is known.
+  [[nodiscard]] bool end_is_known() const { return at_.end_is_known; }
   [[nodiscard]] PathPlace behind(PathPlace place, double length) const;
 
   /// Goes on from an earlier or later place; the next cell is at most `growth` times `previous`
@@ -63,19 +69,29 @@ class CellCutter {
 
   [[nodiscard]] Stopping stopping_on(const PathInterval& interval) const;
 
+  /// How far it has come; to be kept and to be put back.
+  struct State {
+    PathPlace place;
+    double previous = 0.0;
+    double standstill = 0.0;
+    double left = 0.0;
+    bool end_is_known = false;
+    bool ends_early = false;
+  };
+  [[nodiscard]] const State& state() const { return at_; }
+  void set_state(const State& state) { at_ = state; }
+
  private:
-  [[nodiscard]] bool end_is_final() const { return closed_ || ends_early_; }
+  [[nodiscard]] bool end_is_final() const { return at_.end_is_known || at_.ends_early; }
+  [[nodiscard]] std::uint64_t next_stop(std::uint64_t interval) const;
   [[nodiscard]] double longest_here() const;
   [[nodiscard]] double length_towards_end() const;
   void move_on(double length);
 
   JerkLimits limits_;
-  PathPlace place_;
-  double previous_ = 0.0;
-  double standstill_ = 0.0;
-  double left_ = 0.0;
-  bool closed_ = false;
-  bool ends_early_ = false;
+  Ring<PathInterval> intervals_;
+  Ring<std::uint64_t> stops_;  ///< before these intervals
+  State at_;
 };
 
 }  // namespace cnc::motion

@@ -37,25 +37,26 @@ void JerkPlan::split_present_cell() {
   if (place_.phase != Phase::driving || place_.time == 0.0) return;
   auto& cells = window_.cells;
   const std::uint64_t index = place_.cell;
-  const MotionState now = motion_of(index).after(place_.time);
+  const MotionState now = motion_of(index, run()).after(place_.time);
   const double rest = cells[index].cell.length - now.s;
   if (rest < kPartWorthSplitting * cells[index].cell.length ||
       time_in_cell() < kTimeWorthSplitting) {
     return;
   }
   drop_behind(index - cells.first());
+  window_.begin_cell = index;
+  window_.most_start_x = kInfinity;
   PlannedCell& planned = cells[index];
   const SpeedCell whole = planned.cell;
   planned.cell = cutter_.cell_at({whole.interval, whole.start + now.s}, rest);
   planned.distance += now.s;
   planned.knot = {0.0, 0.0, now.v * now.v};
   planned.x_in_force = now.v * now.v + rest * now.w;
-  window_.most_start_x = kInfinity;
   if (index + 1 < cells.end()) {
     cells[index + 1].knot = knot_between(rest, cells[index + 1].cell.length);
   }
-  if (index + 1 == stop_.cell) {
-    stop_.end.knot.before = part_beside_standstill(rest, stop_.length);
+  if (Stop& stop = run().stop; index + 1 == stop.cell) {
+    stop.end.knot.before = part_beside_standstill(rest, stop.length);
   }
   place_.time = 0.0;
 }
@@ -83,8 +84,8 @@ bool JerkPlan::plan_hold() {
 }
 
 double JerkPlan::distance_to_stop(std::uint64_t first) const {
-  double distance = stop_.length;
-  for (std::uint64_t i = first; i < stop_.cell; ++i) distance += window_.cells[i].cell.length;
+  double distance = run().stop.length;
+  for (std::uint64_t i = first; i < run().stop.cell; ++i) distance += window_.cells[i].cell.length;
   return distance;
 }
 
@@ -92,7 +93,7 @@ double JerkPlan::distance_to_stop(std::uint64_t first) const {
 /// have to be undone before braking builds up.
 double JerkPlan::shortest_braking(std::uint64_t first) const {
   const SpeedCell& cell = window_.cells[first - 1].cell;
-  const CellX x = x_in_force(first - 1);
+  const CellX x = x_in_force(first - 1, run());
   const double v = std::sqrt(x[2]);
   const double w = std::max(0.0, (x[2] - x[1]) / cell.length);
   const double j = cell.reach.j_first;
@@ -105,9 +106,10 @@ double JerkPlan::shortest_braking(std::uint64_t first) const {
 bool JerkPlan::make_trial(std::uint64_t first) {
   auto& cells = trial_.cells;
   cells.clear();
+  trial_.begin_cell = cells.first();
   PlannedCell fixed = window_.cells[first - 1];
-  const bool is_run_begin = first - 1 == run_begin_ && place_.phase == Phase::starting;
-  if (!is_run_begin) fixed.knot = {0.0, 0.0, x_in_force(first - 1)[0]};
+  const bool is_run_begin = first - 1 == run().begin && place_.phase == Phase::starting;
+  if (!is_run_begin) fixed.knot = {0.0, 0.0, x_in_force(first - 1, run())[0]};
   fixed.x = fixed.x_in_force;
   fixed.feed_is_kept = false;
   cells.push_back(fixed);
@@ -159,7 +161,7 @@ void JerkPlan::take_over_trial(std::uint64_t first) {
     cells.push_back(trial_.cells[i]);
     cells.back().x_in_force = cells.back().x;
   }
-  stop_ = stop_behind(window_);
+  end_run_at(stop_behind(window_));
 }
 
 }  // namespace cnc::motion

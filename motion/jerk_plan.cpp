@@ -15,49 +15,162 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// Plans again when this part of the look-ahead is new.
 constexpr double kNewPart = 0.5;
 constexpr double kEnoughAhead = 2.5;
+/// And wants so much that is new.
+constexpr double kStock = 1.0;
+
+/// Room that new path needs at least.
+constexpr std::size_t kFewCells = 16;
+
+constexpr double kNothingLeft = 1e-9;
+
+constexpr double kLeastFactor = 1e-3;
+constexpr double kMostFactor = 10.0;
 
 }  // namespace
 
+struct JerkPlan::Saved {
+  Ring<PlannedCell> cells;
+  Ring<Run> runs;
+  CellCutter::State cutter;
+  std::uint64_t window_begin;
+  EndOfCells window_end;
+  double most_start_x;
+  MotionPlace place;
+  double look_ahead;
+  double stopping_time;
+  Overrides overrides;
+  bool held;
+  bool changed;
+};
+
 JerkPlan::JerkPlan(const JerkLimits& limits, std::size_t max_cells, std::size_t max_intervals)
-    : cutter_(limits, max_intervals), window_(max_cells), trial_(max_cells / 4) {}
+    : cutter_(limits, max_intervals),
+      window_(max_cells),
+      trial_(max_cells / 4),
+      runs_(max_cells / 8) {
+  runs_.push_back({});
+}
+JerkPlan::~JerkPlan() = default;
+JerkPlan::JerkPlan(JerkPlan&&) noexcept = default;
+JerkPlan& JerkPlan::operator=(JerkPlan&&) noexcept = default;
+
+void JerkPlan::save() {
+  if (!saved_) saved_ = std::make_unique<Saved>();
+  saved_->cells.copy(window_.cells);
+  saved_->runs.copy(runs_);
+  saved_->cutter = cutter_.state();
+  saved_->window_begin = window_.begin_cell;
+  saved_->window_end = window_.end;
+  saved_->most_start_x = window_.most_start_x;
+  saved_->place = place_;
+  saved_->look_ahead = look_ahead_;
+  saved_->stopping_time = stopping_time_;
+  saved_->overrides = overrides_;
+  saved_->held = held_;
+  saved_->changed = changed_;
+}
+
+void JerkPlan::restore() {
+  window_.cells.copy(saved_->cells);
+  runs_.copy(saved_->runs);
+  cutter_.set_state(saved_->cutter);
+  window_.begin_cell = saved_->window_begin;
+  window_.end = saved_->window_end;
+  window_.most_start_x = saved_->most_start_x;
+  place_ = saved_->place;
+  look_ahead_ = saved_->look_ahead;
+  stopping_time_ = saved_->stopping_time;
+  changed_ = saved_->changed || saved_->held != held_ || saved_->overrides != overrides_;
+  retry_at_cell_ = 0;
+}
 
 // --- Path ----------------------------------------------------------------------------------------
 
+bool JerkPlan::path_left() const {
+  if (!standing() || !in_last_run()) return cutter_.path_left();
+  const PathPlace at = cutter_.behind(run().end, 0.0);
+  return at.interval < intervals().end() &&
+         at.start < intervals()[at.interval].length - kNothingLeft;
+}
+
+/// Up to the end of the last run; the machine is in it.
 double JerkPlan::known_ahead() const {
   double ahead = cutter_.left();
-  if (standing() || window_.cells.empty()) return ahead;
+  if (standing() || window_.cells.end() == run().begin) return ahead;
   const PlannedCell& last = window_.cells.back();
   ahead += last.distance + last.cell.length;
   if (place_.phase == Phase::driving) ahead -= window_.cells[place_.cell].distance;
   return ahead;
 }
 
+bool JerkPlan::has_room() const { return cutter_.has_room() && window_.cells.free() > kFewCells; }
+
 bool JerkPlan::wants_path() const {
-  const bool room = cutter_.intervals.free() > 0 && window_.cells.free() > 16;
-  return room && known_ahead() <= kEnoughAhead * look_ahead_;
+  return in_last_run() && !cutter_.end_is_known() && has_room() &&
+         cutter_.left() <= kStock * look_ahead_;
+}
+
+bool JerkPlan::lacks_path() const {
+  return in_last_run() && !cutter_.end_is_known() && has_room() &&
+         cutter_.left() <= kNewPart * look_ahead_;
 }
 
 void JerkPlan::append(const PathInterval& interval) {
+  if (!cutter_.end_is_known()) look_at(interval);
   cutter_.append(interval);
+}
+
+void JerkPlan::look_at(const PathInterval& interval) {
   const Stopping stopping = cutter_.stopping_on(interval);
   look_ahead_ = std::max(look_ahead_, stopping.distance);
   stopping_time_ = std::max(stopping_time_, stopping.time);
 }
 
-void JerkPlan::close() { cutter_.close(); }
+bool JerkPlan::knows_enough() const {
+  return !in_last_run() || cutter_.end_is_known() || known_ahead() >= look_ahead_;
+}
+
+void JerkPlan::clear() {
+  cutter_.clear();
+  window_.cells.clear();
+  runs_.clear();
+  Run none;
+  none.begin = none.stop.cell = window_.cells.end();
+  none.end = cutter_.place();
+  runs_.push_back(none);
+  place_ = {place_.change, runs_.first(), Phase::standing, window_.cells.end(), 0.0};
+  look_ahead_ = stopping_time_ = 0.0;
+  retry_at_cell_ = 0;
+}
+
+/// The next run begins where the last one ended.
+void JerkPlan::begin_at_standstill() {
+  cutter_.go_to(run().end, 0.0);
+  look_ahead_ = stopping_time_ = 0.0;
+  double seen = 0.0;
+  for (std::uint64_t i = cutter_.place().interval; i != intervals().end() && seen < cutter_.left();
+       ++i) {
+    look_at(intervals()[i]);
+    seen += intervals()[i].length;
+  }
+}
 
 bool JerkPlan::due() const {
   if (place_.phase == Phase::stopping) return false;
-  if (standing()) return !held_ && cutter_.path_left();
-  if (changed_ || held_) return changed_;
+  if (standing()) return !held_ && runs_.free() > 0 && (!in_last_run() || path_left());
+  if (place_.cell < retry_at_cell_) return false;
+  if (changed_ || held_ || !in_last_run()) return changed_;
   const double planned = known_ahead() - cutter_.left();
   if (window_.cells.free() == 0 || planned > kEnoughAhead * look_ahead_) return false;
-  const double enough = cutter_.closed() ? stop_.length : kNewPart * look_ahead_;
+  const double enough = cutter_.end_is_known() ? run().stop.length : kNewPart * look_ahead_;
   return cutter_.left() > enough && cutter_.next_length() > 0.0;
 }
 
-void JerkPlan::set_override(double factor) {
-  override_ = std::clamp(factor, 1e-3, 10.0);
+void JerkPlan::set_overrides(const Overrides& factors) {
+  const Overrides wanted{std::clamp(factors.feed, kLeastFactor, kMostFactor),
+                         std::clamp(factors.rapid, kLeastFactor, kMostFactor)};
+  if (wanted == overrides_) return;
+  overrides_ = wanted;
   changed_ = true;
 }
 
@@ -73,135 +186,149 @@ void JerkPlan::resume() {
 
 // --- Motion --------------------------------------------------------------------------------------
 
-CellX JerkPlan::x_in_force(std::uint64_t index) const {
+CellX JerkPlan::x_in_force(std::uint64_t index, const Run& run) const {
   const auto& cells = window_.cells;
   const double own = cells[index].x_in_force;
   const Knot& begin = cells[index].knot;
-  const bool is_last = index + 1 == stop_.cell;
-  const Knot& end = is_last ? stop_.end.knot : cells[index + 1].knot;
+  const bool is_last = index + 1 == run.stop.cell;
+  const Knot& end = is_last ? run.stop.end.knot : cells[index + 1].knot;
   const double before = begin.before == 0.0 ? 0.0 : begin.before * cells[index - 1].x_in_force;
   const double behind = is_last ? 0.0 : end.behind * cells[index + 1].x_in_force;
   return {before + begin.behind * own + begin.given, own, end.before * own + behind + end.given};
 }
 
-CellMotion JerkPlan::motion_of(std::uint64_t index) const {
-  const CellX x = x_in_force(index);
+CellMotion JerkPlan::motion_of(std::uint64_t index, const Run& run) const {
+  const CellX x = x_in_force(index, run);
   const double h = window_.cells[index].cell.length;
   return {std::sqrt(x[0]), (x[1] - x[0]) / h, ((x[2] - x[1]) - (x[1] - x[0])) / (h * h)};
 }
 
-double JerkPlan::duration_of(std::uint64_t index) const {
-  const double end = std::sqrt(x_in_force(index)[2]);
-  return motion_of(index).time_to(window_.cells[index].cell.length, end);
+double JerkPlan::duration_of(std::uint64_t index, const Run& run) const {
+  const double end = std::sqrt(x_in_force(index, run)[2]);
+  return motion_of(index, run).time_to(window_.cells[index].cell.length, end);
 }
 
-StandstillMotion JerkPlan::start_motion() const {
-  return {start_length_, std::sqrt(x_in_force(run_begin_)[0])};
-}
-
-StandstillMotion JerkPlan::stop_motion() const {
-  return {stop_.length, std::sqrt(x_in_force(stop_.cell - 1)[2])};
-}
-
-PathMotion JerkPlan::motion() const {
-  switch (place_.phase) {
-    case Phase::standing:
-      return {standstill_, 0.0, 0.0, kInfinity};
+PathMotion JerkPlan::motion_at(const MotionPlace& place) const {
+  const Run& run = run_of(place);
+  switch (place.phase) {
     case Phase::starting: {
-      const MotionState state = start_motion().after_start(place_.time);
-      return {cutter_.behind(standstill_, state.s), state.v, state.w, state.dw};
+      const MotionState state = run.start().after_start(place.time);
+      return {cutter_.behind(run.from, state.s), state.v, state.w, state.dw};
     }
     case Phase::driving: {
-      const MotionState state = motion_of(place_.cell).after(place_.time);
-      const SpeedCell& cell = window_.cells[place_.cell].cell;
+      const MotionState state = motion_of(place.cell, run).after(place.time);
+      const SpeedCell& cell = window_.cells[place.cell].cell;
       return {{cell.interval, cell.start + std::clamp(state.s, 0.0, cell.length)},
               state.v,
               state.w,
               state.dw};
     }
     case Phase::stopping: {
-      const MotionState state = stop_motion().after_stop_began(place_.time);
-      return {cutter_.behind(stop_.place, state.s), state.v, state.w, state.dw};
+      const MotionState state = run.halt().after_stop_began(place.time);
+      return {cutter_.behind(run.stop.place, state.s), state.v, state.w, state.dw};
     }
+    case Phase::standing:
+      break;
   }
-  return {};
+  return {run.end, 0.0, 0.0, kInfinity};
 }
 
-double JerkPlan::time_in_cell() const {
-  switch (place_.phase) {
-    case Phase::standing:
-      return 0.0;
+double JerkPlan::time_in_cell(const MotionPlace& place) const {
+  const Run& run = run_of(place);
+  switch (place.phase) {
     case Phase::starting:
-      return start_motion().duration() - place_.time;
+      return run.start().duration() - place.time;
     case Phase::driving:
-      return duration_of(place_.cell) - place_.time;
+      return duration_of(place.cell, run) - place.time;
     case Phase::stopping:
-      return stop_motion().duration() - place_.time;
+      return run.halt().duration() - place.time;
+    case Phase::standing:
+      break;
   }
   return 0.0;
 }
 
-void JerkPlan::enter_next_phase() {
-  place_.time = 0.0;
-  switch (place_.phase) {
-    case Phase::standing:
-      return;
+MotionPlace JerkPlan::behind_cell(const MotionPlace& place) const {
+  const Run& run = run_of(place);
+  MotionPlace next{place.change, place.run, place.phase, place.cell, 0.0};
+  switch (place.phase) {
     case Phase::starting:
-      place_ = {Phase::driving, run_begin_, 0.0};
-      return;
+      next.phase = Phase::driving;
+      break;
     case Phase::driving:
-      if (++place_.cell == stop_.cell) place_.phase = Phase::stopping;
-      return;
+      if (++next.cell == run.stop.cell) next.phase = Phase::stopping;
+      break;
     case Phase::stopping:
-      place_.phase = Phase::standing;
-      standstill_ = cutter_.behind(stop_.place, stop_.length);
-      cutter_.go_to(standstill_, 0.0);
-      window_.cells.clear();
-      return;
+      next.phase = Phase::standing;
+      break;
+    case Phase::standing:
+      break;
   }
+  return next;
 }
 
-void JerkPlan::advance(double time) {
-  while (!standing()) {
-    const double rest = time_in_cell();
+MotionPlace JerkPlan::after(MotionPlace place, double time) const {
+  while (place.phase != Phase::standing) {
+    const double rest = time_in_cell(place);
     if (time < rest) {
-      place_.time += time;
-      return;
+      place.time += time;
+      return place;
     }
     time -= std::max(0.0, rest);
-    enter_next_phase();
+    place = behind_cell(place);
   }
+  return place;
+}
+
+void JerkPlan::advance_to(const MotionPlace& place) {
+  const bool arrives = !standing() && place.phase == Phase::standing;
+  place_ = place;
+  if (arrives && in_last_run()) begin_at_standstill();
+}
+
+void JerkPlan::go_back(const MotionPlace& place) {
+  place_ = place;
+  retry_at_cell_ = 0;
+  if (!standing() && in_last_run()) drop_cells_behind_stop();
 }
 
 void JerkPlan::forget_before(const MotionPlace& place) {
-  if (place.phase == Phase::driving) {
-    while (window_.cells.first() < place.cell) drop_behind(1);
-  }
-  const std::uint64_t oldest = standing() ? standstill_.interval : motion().place.interval;
-  while (!cutter_.intervals.empty() && cutter_.intervals.first() < oldest) {
-    cutter_.intervals.pop_front();
-  }
+  const Run& run = run_of(place);
+  std::uint64_t interval = run.end.interval;
+  if (place.phase == Phase::starting) interval = run.from.interval;
+  if (place.phase == Phase::driving) interval = window_.cells[place.cell].cell.interval;
+  if (place.phase == Phase::stopping) interval = run.stop.place.interval;
+  const std::uint64_t oldest = std::min(place.cell, window_.cells.end());
+  if (window_.cells.first() < oldest) drop_behind(oldest - window_.cells.first());
+  cutter_.forget_before(interval);
+  while (runs_.first() < place.run) runs_.pop_front();
 }
 
+/// What follows goes on from what was planned.
 void JerkPlan::drop_behind(std::uint64_t count) {
+  auto& cells = window_.cells;
   for (; count > 0; --count) {
-    const std::uint64_t next = window_.cells.first() + 1;
-    if (next < window_.cells.end()) {
-      const double x = x_in_force(next - 1)[2];
-      window_.cells[next].knot = {0.0, 0.0, x};
+    const std::uint64_t first = cells.first();
+    if (first + 1 < cells.end() && cells[first + 1].knot.before != 0.0) {
+      Knot& knot = cells[first + 1].knot;
+      const double x = knot.before * cells[first].x_in_force +
+                       knot.behind * cells[first + 1].x_in_force + knot.given;
+      knot = {0.0, 0.0, x};
     }
-    window_.cells.pop_front();
+    cells.pop_front();
   }
-  window_.most_start_x = kInfinity;
+  if (window_.begin_cell < cells.first()) {
+    window_.begin_cell = cells.first();
+    window_.most_start_x = kInfinity;
+  }
 }
 
 double JerkPlan::time_to_stop() const {
-  if (standing()) return 0.0;
-  double time = time_in_cell();
-  if (place_.phase == Phase::stopping) return time;
-  const std::uint64_t next = place_.phase == Phase::driving ? place_.cell + 1 : run_begin_;
-  for (std::uint64_t i = next; i != stop_.cell; ++i) time += duration_of(i);
-  return time + stop_motion().duration();
+  double time = 0.0;
+  for (MotionPlace place = place_; place.phase != Phase::standing; place = behind_cell(place)) {
+    time += time_in_cell(place);
+  }
+  return time;
 }
 
 }  // namespace cnc::motion

@@ -2,17 +2,20 @@
 // standstill to standstill, planned while the path is still arriving and while the motion runs.
 //
 // The path comes as intervals (path_interval.h), is cut into cells (cell_cutter.h), and x(u) over
-// them is improved in rounds (speed_window.h). The plan in force keeps every limit and ends in a
-// standstill on the known path, always: a better or longer one takes its place only when it is
-// finished and keeps them too. If that fails, the motion stops where the plan in force ends and
-// goes on from there.
+// them is improved in rounds (speed_window.h). A run is what lies between two standstills. The plan
+// in force keeps every limit and ends in a standstill on the known path, always: a better or longer
+// one takes its place only when it is finished and keeps them too. If that fails, the motion stops
+// where the plan in force ends and goes on from there.
 //
-// Memory is fixed at construction. A call of plan() costs at most a fixed number of rounds over the
-// cells ahead of the place. Units: mm, s, degrees for rotary axes. Not thread-safe.
+// Memory is fixed at construction, but for the first save(). A call of plan() costs at most a fixed
+// number of rounds over the cells ahead of the place. Units: mm, s, degrees for rotary axes. Not
+// thread-safe.
 #pragma once
 
+#include <compare>
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <optional>
 
 #include "motion/cell_cutter.h"
@@ -22,11 +25,16 @@
 namespace cnc::motion {
 
 /// Where the motion is: a value that a caller may keep with each setpoint, to come back to it.
+/// Ordered along the motion.
 struct MotionPlace {
-  enum class Phase : std::uint8_t { standing, starting, driving, stopping };
+  enum class Phase : std::uint8_t { starting, driving, stopping, standing };
+  std::uint32_t change = 0;  ///< counts the holds, resumes and overrides that were planned
+  std::uint64_t run = 0;     ///< standing: the one that has ended
   Phase phase = Phase::standing;
-  std::uint64_t cell = 0;  ///< driving only
-  double time = 0.0;       ///< since the phase or the cell began
+  std::uint64_t cell = 0;
+  double time = 0.0;  ///< since the phase or the cell began
+
+  auto operator<=>(const MotionPlace&) const = default;
 };
 
 /// What it does there.
@@ -41,46 +49,70 @@ class JerkPlan {
  public:
   explicit JerkPlan(const JerkLimits& limits, std::size_t max_cells = 4096,
                     std::size_t max_intervals = 4096);
+  ~JerkPlan();
+  JerkPlan(JerkPlan&&) noexcept;
+  JerkPlan& operator=(JerkPlan&&) noexcept;
 
   /// Whether more path is of use, and there is room for it.
   [[nodiscard]] bool wants_path() const;
+  /// Whether plan() would do better with more path than there is.
+  [[nodiscard]] bool lacks_path() const;
+  /// Whether what is known suffices for a change of overrides.
+  [[nodiscard]] bool knows_enough() const;
+  [[nodiscard]] bool has_room() const;
   void append(const PathInterval& interval);
-  /// The path ends here: the motion may stop at its very end. append() opens it again.
-  void close();
+  /// The motion has to stand at the present end of the path, whatever follows.
+  void stop_at_end() { cutter_.stop_at_end(); }
 
   /// Whether plan() would have enough to do.
   [[nodiscard]] bool due() const;
   /// Plans what has been appended or changed. False when no better plan was found: the one in force
-  /// goes on, and due() asks for the next attempt.
+  /// goes on, and due() asks for the next attempt after a while.
   bool plan();
 
-  /// Factor on every feed, 0.001 … 10; acts with the next plan().
-  void set_override(double factor);
+  /// Each factor 0.001 … 10; acts with the next plan().
+  void set_overrides(const Overrides& factors);
   /// Stops as soon as the limits allow with the next plan(), and stays there until resume().
   void hold();
   void resume();
+  [[nodiscard]] bool held() const { return held_; }
 
   [[nodiscard]] const MotionPlace& place() const { return place_; }
   [[nodiscard]] bool standing() const { return place_.phase == MotionPlace::Phase::standing; }
   /// Everything is driven.
-  [[nodiscard]] bool idle() const { return standing() && !cutter_.path_left(); }
-  [[nodiscard]] PathMotion motion() const;
-  [[nodiscard]] const PathInterval& interval(std::uint64_t index) const {
-    return cutter_.intervals[index];
-  }
+  [[nodiscard]] bool idle() const { return standing() && !path_left(); }
+  [[nodiscard]] PathMotion motion() const { return motion_at(place_); }
+  [[nodiscard]] PathMotion motion_at(const MotionPlace& place) const;
+  [[nodiscard]] const Ring<PathInterval>& intervals() const { return cutter_.intervals(); }
 
   /// Time until the present cell or phase ends; 0 when standing.
-  [[nodiscard]] double time_in_cell() const;
-  /// Moves on by `time` along the plan in force.
-  void advance(double time);
-  /// Back to a place of the same run (since the last standstill) that was not forgotten, and not
-  /// before the one at which a hold, a resume or an override was planned.
-  void go_back(const MotionPlace& place) { place_ = place; }
+  [[nodiscard]] double time_in_cell() const { return time_in_cell(place_); }
+  [[nodiscard]] double time_in_cell(const MotionPlace& place) const;
+  /// Where it will be after the present cell or phase, and after `time`, by the plan in force.
+  [[nodiscard]] MotionPlace behind_cell(const MotionPlace& place) const;
+  [[nodiscard]] MotionPlace after(MotionPlace place, double time) const;
+  /// Moves on along the plan in force.
+  void advance(double time) { advance_to(after(place_, time)); }
+  void advance_to(const MotionPlace& place);
+  /// Back to a place that was not forgotten, of the present `change`.
+  void go_back(const MotionPlace& place);
   /// Nobody comes back to a place before this one: gives its memory free. To be called now and
   /// then.
   void forget_before(const MotionPlace& place);
-  /// Seconds to the standstill at the end of the plan in force.
+  /// Seconds to the standstill at the end of the present run, by the plan in force.
   [[nodiscard]] double time_to_stop() const;
+  /// Where the path is planned up to.
+  [[nodiscard]] const PathPlace& planned_end() const { return run().end; }
+  /// Where the motion is or, standing, would begin.
+  [[nodiscard]] PathPlace next_place() const { return cutter_.behind(motion().place, 0.0); }
+  /// Forgets the path; standing only.
+  void clear();
+
+  /// Keeps the plan in force, and puts it back; what was wanted meanwhile (hold, overrides) is
+  /// still wanted, and what was appended is kept.
+  void save();
+  void restore();
+
   /// Rounds of the last plan(), for measuring.
   [[nodiscard]] int rounds() const { return rounds_; }
 
@@ -93,17 +125,40 @@ class JerkPlan {
     double length = 0.0;
     PathPlace place;  ///< where it begins
   };
+  /// From standstill to standstill.
+  struct Run {
+    std::uint64_t begin = 0;  ///< first cell
+    PathPlace from;
+    double start_length = 0.0;
+    double most_start_x = 0.0;
+    Stop stop;
+    PathPlace end;
+    double start_speed = 0.0;
+    double stop_speed = 0.0;
 
-  [[nodiscard]] CellX x_in_force(std::uint64_t index) const;
-  [[nodiscard]] CellMotion motion_of(std::uint64_t index) const;
-  [[nodiscard]] double duration_of(std::uint64_t index) const;
-  [[nodiscard]] StandstillMotion start_motion() const;
-  [[nodiscard]] StandstillMotion stop_motion() const;
+    [[nodiscard]] StandstillMotion start() const { return {start_length, start_speed}; }
+    [[nodiscard]] StandstillMotion halt() const { return {stop.length, stop_speed}; }
+  };
+  struct Saved;
+
+  [[nodiscard]] const Run& run_of(const MotionPlace& place) const { return runs_[place.run]; }
+  [[nodiscard]] Run& run() { return runs_.back(); }
+  [[nodiscard]] const Run& run() const { return runs_.back(); }
+  [[nodiscard]] bool in_last_run() const { return place_.run + 1 == runs_.end(); }
+  [[nodiscard]] CellX x_in_force(std::uint64_t index, const Run& run) const;
+  [[nodiscard]] CellMotion motion_of(std::uint64_t index, const Run& run) const;
+  [[nodiscard]] double duration_of(std::uint64_t index, const Run& run) const;
+  [[nodiscard]] bool path_left() const;
   [[nodiscard]] double known_ahead() const;
-  void enter_next_phase();
+  void begin_at_standstill();
+  void look_at(const PathInterval& interval);
 
   bool plan_run();
+  bool try_plan_run(bool from_rest);
   void begin_run();
+  void begin_next_run();
+  void drop_last_run();
+  void drop_later_runs();
   void cut();
   void push_cell(const SpeedCell& cell);
   [[nodiscard]] Stop stop_behind(const SpeedWindow& window) const;
@@ -112,8 +167,9 @@ class JerkPlan {
   void guess(std::uint64_t first);
   [[nodiscard]] double guess_forward(std::uint64_t index, double x, double way) const;
   bool run_rounds(std::uint64_t first, int rounds);
-  bool slow_down_until_kept(std::uint64_t first);
+  void slow_down_until_kept(std::uint64_t first);
   void put_in_force(const Stop& stop);
+  void end_run_at(const Stop& stop);
   void drop_cells_behind_stop();
 
   bool plan_hold();
@@ -127,20 +183,19 @@ class JerkPlan {
   void take_over_trial(std::uint64_t first);
 
   CellCutter cutter_;
-  SpeedWindow window_;
-  SpeedWindow trial_;     ///< of a hold
-  PathPlace standstill_;  ///< where the run began or the next one begins
-  double start_length_ = 0.0;
-  std::uint64_t run_begin_ = 0;  ///< first cell of the run
-  Stop stop_;                    ///< of the plan in force
+  SpeedWindow window_;  ///< of the last run; the cells of earlier ones lie before it
+  SpeedWindow trial_;   ///< of a hold
+  Ring<Run> runs_;
   MotionPlace place_;
   double look_ahead_ = 0.0;     ///< longest distance in which feed is reached or left
-  double stopping_time_ = 0.0;  ///< and the time for it
-  double override_ = 1.0;
+  double stopping_time_ = 0.0;  ///< and the time for it; both of the last run
+  Overrides overrides_;
   bool held_ = false;
-  bool changed_ = false;           ///< hold, resume or override since the last plan
-  int new_cells_ = kMostNewCells;  ///< of the next plan
+  bool changed_ = false;             ///< hold, resume or override since the last plan
+  std::uint64_t retry_at_cell_ = 0;  ///< no attempt before, the last one having failed
+  int new_cells_ = kMostNewCells;    ///< of the next plan
   int rounds_ = 0;
+  std::unique_ptr<Saved> saved_;
 };
 
 }  // namespace cnc::motion

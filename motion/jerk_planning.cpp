@@ -1,6 +1,7 @@
 // How a JerkPlan goes on: a guess for the longer path, rounds, and what becomes of the result.
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "motion/jerk_plan.h"
 
@@ -28,6 +29,11 @@ constexpr double kGuessedStandstill = 0.3;
 
 constexpr double kSlower = 0.8;
 
+/// Between two attempts that fail.
+constexpr std::uint64_t kCellsBeforeRetry = 8;
+
+constexpr double kInfinity = std::numeric_limits<double>::infinity();
+
 /// The end of a plan shapes what comes before it for about the time that stopping takes; this many
 /// of them are planned anew.
 constexpr double kTimeOfInfluence = 1.0;
@@ -37,9 +43,18 @@ constexpr double kTimeOfInfluence = 1.0;
 bool JerkPlan::plan() {
   rounds_ = 0;
   if (place_.phase == Phase::stopping) return false;
-  if (changed_) split_present_cell();
+  if (changed_) {
+    ++place_.change;
+    drop_later_runs();
+    split_present_cell();
+  }
+  if (standing() && !in_last_run()) {
+    begin_next_run();
+    return true;
+  }
   const bool done = held_ ? plan_hold() : plan_run();
   if (done) changed_ = false;
+  retry_at_cell_ = done ? 0 : place_.cell + kCellsBeforeRetry;
   return done;
 }
 
@@ -47,47 +62,92 @@ bool JerkPlan::plan() {
 
 bool JerkPlan::plan_run() {
   const bool from_rest = standing();
-  if (from_rest) {
-    if (!cutter_.path_left()) return false;
-    begin_run();
+  if (from_rest && !path_left()) return false;
+  for (;;) {
+    if (from_rest) {
+      begin_run();
+    } else {
+      drop_cells_behind_stop();
+    }
+    if (try_plan_run(from_rest)) break;
+    if (from_rest) {
+      drop_last_run();
+      return false;
+    }
+    drop_cells_behind_stop();
+    if (new_cells_ == kFewestNewCells) return false;
+    new_cells_ = std::max(kFewestNewCells, new_cells_ / 2);
   }
-  auto first = from_rest ? window_.cells.end() : first_free();
+  new_cells_ = std::min(kMostNewCells, 2 * new_cells_);
+  if (from_rest) begin_next_run();
+  return true;
+}
+
+bool JerkPlan::try_plan_run(bool from_rest) {
+  auto first = from_rest ? run().begin : first_free();
   if (!first) return false;
-  if (!changed_) first = std::max(*first, first_worth_changing());
+  if (!changed_ && !from_rest) first = std::max(*first, first_worth_changing());
   cut();
-  if (window_.cells.empty()) return false;
+  if (window_.cells.end() == run().begin) return false;
   const Stop stop = stop_behind(window_);
   window_.end = stop.end;
   guess(*first);
   window_.reset_weights(*first);
-  bool kept = run_rounds(*first, kRounds);
-  if (!kept && from_rest) kept = slow_down_until_kept(*first);
-  if (!kept) {
-    new_cells_ = std::max(kFewestNewCells, new_cells_ / 2);
-    drop_cells_behind_stop();
-    return false;
+  if (!run_rounds(*first, kRounds)) {
+    if (!from_rest) return false;
+    slow_down_until_kept(*first);
   }
   put_in_force(stop);
-  new_cells_ = std::min(kMostNewCells, 2 * new_cells_);
-  if (from_rest) place_ = {Phase::starting, 0, 0.0};
   return true;
 }
 
+/// The cells end where the last run does, and the cutter goes on from there.
 void JerkPlan::drop_cells_behind_stop() {
   auto& cells = window_.cells;
-  while (cells.end() > stop_.cell) cells.pop_back();
-  if (!cells.empty()) cutter_.go_to(stop_.place, cells.back().cell.length);
+  const Stop& stop = run().stop;
+  while (cells.end() > stop.cell) cells.pop_back();
+  window_.end = stop.end;
+  if (stop.cell > run().begin) cutter_.go_to(stop.place, cells.back().cell.length);
+}
+
+void JerkPlan::drop_last_run() {
+  auto& cells = window_.cells;
+  while (cells.end() > run().begin) cells.pop_back();
+  runs_.pop_back();
+  cutter_.go_to(run().end, 0.0);
+}
+
+/// From where the motion is everything is planned anew.
+void JerkPlan::drop_later_runs() {
+  if (in_last_run()) return;
+  while (!in_last_run()) drop_last_run();
+  window_.begin_cell = std::max(run().begin, window_.cells.first());
+  window_.most_start_x = window_.begin_cell == run().begin ? run().most_start_x : kInfinity;
+  if (standing()) {
+    begin_at_standstill();
+  } else {
+    drop_cells_behind_stop();
+  }
 }
 
 void JerkPlan::begin_run() {
-  window_.cells.clear();
-  run_begin_ = window_.cells.end();
-  cutter_.go_to(standstill_, 0.0);
-  start_length_ = cutter_.begin_run();
-  window_.most_start_x = cutter_.reach_of(standstill_, start_length_).standstill_x(start_length_);
-  cutter_.skip(start_length_);
-  stop_ = {};
-  stop_.cell = run_begin_;
+  begin_at_standstill();
+  Run next;
+  next.begin = window_.cells.end();
+  next.from = cutter_.place();
+  next.start_length = cutter_.begin_run();
+  next.most_start_x =
+      cutter_.reach_of(next.from, next.start_length).standstill_x(next.start_length);
+  next.stop.cell = next.begin;
+  runs_.push_back(next);
+  window_.begin_cell = next.begin;
+  window_.most_start_x = next.most_start_x;
+  cutter_.skip(next.start_length);
+}
+
+void JerkPlan::begin_next_run() {
+  const std::uint64_t next = place_.run + 1;
+  place_ = {place_.change, next, Phase::starting, runs_[next].begin, 0.0};
 }
 
 void JerkPlan::cut() {
@@ -100,13 +160,13 @@ void JerkPlan::cut() {
 
 void JerkPlan::push_cell(const SpeedCell& cell) {
   auto& cells = window_.cells;
-  if (!cells.empty()) {
+  if (cells.end() > run().begin) {
     cells.push_back(planned_behind(cells.back(), cell));
     return;
   }
   PlannedCell planned;
   planned.cell = cell;
-  planned.knot.behind = part_beside_standstill(cell.length, start_length_);
+  planned.knot.behind = part_beside_standstill(cell.length, run().start_length);
   cells.push_back(planned);
 }
 
@@ -123,17 +183,17 @@ JerkPlan::Stop JerkPlan::stop_behind(const SpeedWindow& window) const {
 /// What is driven now, and x and w at its end, cannot change any more: they fix the coefficient of
 /// the cell behind it.
 std::optional<std::uint64_t> JerkPlan::first_free() const {
-  std::uint64_t fixed = run_begin_;
+  std::uint64_t fixed = run().begin;
   if (place_.phase == Phase::driving) fixed = place_.time > 0.0 ? place_.cell + 1 : place_.cell;
-  if (fixed >= stop_.cell) return std::nullopt;
+  if (fixed >= run().stop.cell) return std::nullopt;
   return fixed + 1;
 }
 
 /// Far enough before the stop in force, a longer path changes nothing.
 std::uint64_t JerkPlan::first_worth_changing() const {
   double left = kTimeOfInfluence * stopping_time_;
-  std::uint64_t index = stop_.cell;
-  while (index > window_.cells.first() + 1 && left > 0.0) left -= duration_of(--index);
+  std::uint64_t index = run().stop.cell;
+  while (index > window_.begin_cell + 1 && left > 0.0) left -= duration_of(--index, run());
   return index;
 }
 
@@ -149,17 +209,17 @@ double JerkPlan::guess_forward(std::uint64_t index, double x, double way) const 
 /// plan in force where that is faster.
 void JerkPlan::guess(std::uint64_t first) {
   auto& cells = window_.cells;
-  for (std::uint64_t i = cells.first(); i != cells.end(); ++i) {
+  for (std::uint64_t i = window_.begin_cell; i != cells.end(); ++i) {
     PlannedCell& planned = cells[i];
-    const double feed = override_ * (1.0 - kFeedReserve);
+    const double feed = overrides_.of(planned.cell.override) * (1.0 - kFeedReserve);
     planned.wanted_x = feed * feed * planned.cell.feed_x;
     planned.feed_is_kept = true;
-    if (i >= stop_.cell) continue;
+    if (i >= run().stop.cell) continue;
     planned.x = planned.x_in_force;
-    const CellX now = x_in_force(i);
+    const CellX now = x_in_force(i, run());
     planned.feed_is_kept = std::max({now[0], now[1], now[2]}) <= kUsageOfPlan * planned.wanted_x;
   }
-  const bool from_rest = first == run_begin_;
+  const bool from_rest = first == run().begin;
   double x = from_rest ? kGuessedStandstill * window_.most_start_x : cells[first - 1].x;
   double before = from_rest ? 0.0 : cells[first - 1].cell.length;
   for (std::uint64_t i = first; i != cells.end(); ++i) {
@@ -173,7 +233,7 @@ void JerkPlan::guess(std::uint64_t first) {
     PlannedCell& planned = cells[i];
     x = std::min(guess_forward(i, x, 0.5 * (before + planned.cell.length)), planned.guess);
     before = planned.cell.length;
-    const bool in_force = i < stop_.cell;
+    const bool in_force = i < run().stop.cell;
     planned.x = in_force ? std::max(planned.x_in_force, x) : x;
   }
 }
@@ -190,19 +250,26 @@ bool JerkPlan::run_rounds(std::uint64_t first, int rounds) {
 
 /// From standstill to standstill a slower motion breaks no limit that it kept before: acceleration
 /// goes with x and jerk with its power 1.5.
-bool JerkPlan::slow_down_until_kept(std::uint64_t first) {
-  for (int i = 0; i < kMoreRounds; ++i) {
+void JerkPlan::slow_down_until_kept(std::uint64_t first) {
+  while (window_.usage(first) > kUsageOfPlan) {
     for (std::uint64_t k = first; k != window_.cells.end(); ++k) window_.cells[k].x *= kSlower;
-    if (window_.usage(first) <= kUsageOfPlan) return true;
   }
-  return false;
 }
 
 void JerkPlan::put_in_force(const Stop& stop) {
-  for (std::uint64_t i = window_.cells.first(); i != stop.cell; ++i) {
+  for (std::uint64_t i = window_.begin_cell; i != stop.cell; ++i) {
     window_.cells[i].x_in_force = window_.cells[i].x;
   }
-  stop_ = stop;
+  end_run_at(stop);
+}
+
+void JerkPlan::end_run_at(const Stop& stop) {
+  Run& last = run();
+  last.stop = stop;
+  last.end = cutter_.behind(stop.place, stop.length);
+  last.stop_speed = std::sqrt(x_in_force(stop.cell - 1, last)[2]);
+  if (window_.begin_cell == last.begin)
+    last.start_speed = std::sqrt(x_in_force(last.begin, last)[0]);
 }
 
 }  // namespace cnc::motion

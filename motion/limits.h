@@ -12,6 +12,12 @@ namespace cnc::motion {
 struct AxisLimits {
   Position max_velocity;      ///< mm/s, deg/s; > 0 for every axis that may move
   Position max_acceleration;  ///< mm/s², deg/s²; > 0 for every axis that may move
+  Position max_jerk{};        ///< mm/s³, deg/s³; 0: no limit
+
+  [[nodiscard]] bool limit_jerk() const {
+    return std::any_of(kAllAxes.begin(), kAllAxes.end(),
+                       [&](Axis axis) { return max_jerk[axis] > 0.0; });
+  }
 };
 
 /// Largest factor that keeps |factor * direction| within `limit` on every axis; infinite for a

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "config/axis.h"
+#include "motion/overrides.h"
 
 namespace cnc::motion {
 
@@ -11,11 +12,14 @@ namespace cnc::motion {
 /// are continuous from one interval to the next within a run; the third may jump. |q'| should be
 /// near 1 (u is nearly the distance in mm): the choice of step lengths relies on it, no limit does.
 struct PathInterval {
-  double length = 0.0;   ///< of u, > 0
-  Position first;        ///< q' at its begin
-  Position second;       ///< q'' at its begin
-  Position third;        ///< q''', constant
-  double feed = 0.0;     ///< wanted speed in X Y Z, mm/s; of A B C, deg/s, where X Y Z rest; > 0
+  double length = 0.0;  ///< of u, > 0
+  Position first;       ///< q' at its begin
+  Position second;      ///< q'' at its begin
+  Position third;       ///< q''', constant
+  /// Wanted speed in X Y Z, mm/s; of A B C, deg/s, where X Y Z rest; > 0. Infinite: as fast as the
+  /// axes can.
+  double feed = 0.0;
+  Override override = Override::feed;
   std::uint64_t id = 0;  ///< the caller's
 
   [[nodiscard]] Position first_at(double u) const {

@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "motion/curve.h"
+#include "motion/overrides.h"
 #include "motion/setpoint.h"
 
 namespace cnc::motion {
@@ -25,6 +26,11 @@ struct Wishes {
   double simplify = 0.0;   ///< mm within which lines may be joined (Q)
   bool stop_at_end = false;
   MoveTag tag;
+
+  [[nodiscard]] Override override_kind() const {
+    if (kind == MoveKind::rapid) return Override::rapid;
+    return follows_override ? Override::feed : Override::none;
+  }
 };
 
 /// The range [begin, end] of the curve is driven; blends have taken the rest.

@@ -7,11 +7,11 @@
 
 #include "motion/extents.h"
 #include "motion/move_checks.h"
+#include "motion/profile.h"
 #include "motion/ring.h"
-#include "motion/sampler.h"
 #include "motion/simplifier.h"
 #include "motion/smoother.h"
-#include "motion/track.h"
+#include "motion/trapezoid.h"
 
 namespace cnc::motion {
 
@@ -25,23 +25,19 @@ constexpr std::size_t kMostWaiting = 65'536;
 /// distance before its end.
 constexpr std::size_t kBatch = 64;
 
-/// Time of a curve from standstill to standstill, at no more than `speed`: a trapezoid.
-double time_alone(double length, double speed, double acceleration) {
-  if (speed <= 0.0) return std::numeric_limits<double>::infinity();
-  if (length * acceleration < speed * speed) return 2.0 * std::sqrt(length / acceleration);
-  return length / speed + speed / acceleration;
-}
+/// With limits of jerk a corner of an exact path can only be passed on a curve without leaps of
+/// curvature; that may leave the program by so much, mm.
+constexpr double kExactPath = 1e-3;
 
 /// Where the machine was before a setpoint was drawn.
 struct Mark {
-  Place place;
+  ProfilePlace place;
   Position position;
 };
 
 /// Setpoints that were taken back without it being known yet whether they are executed after all.
 struct TakenBack {
-  Mark before;              ///< where the machine was
-  std::uint64_t first = 0;  ///< index of their marks
+  Mark before;  ///< where the machine was
   Ring<Mark> marks;
 };
 
@@ -50,9 +46,10 @@ struct TakenBack {
 struct Planner::Impl {
   Impl(const PlannerSettings& wanted, const Position& start)
       : settings(wanted),
-        smoother(wanted.limits, wanted.tolerance_use),
-        track(wanted.limits, wanted.most_taken_back > 0 ? kMostStepsBehind : 0),
-        sampler(std::clamp(wanted.max_setpoint_duration, 0.0005, 0.1)),
+        smoother(wanted.limits, wanted.tolerance_use,
+                 wanted.limits.limit_jerk() ? kExactPath : 0.0),
+        profile(make_profile(wanted.limits, std::clamp(wanted.max_setpoint_duration, 0.0005, 0.1),
+                             wanted.most_taken_back > 0)),
         position(start),
         queue_end(start),
         marks(std::max<std::size_t>(wanted.most_taken_back, 1)) {
@@ -61,9 +58,9 @@ struct Planner::Impl {
 
   /// Moves waiting curves through the smoother onto the track, as far as planning looks ahead.
   void feed_track() {
-    while (track.extend() && !track.well_stocked()) {
+    while (profile->extend() && !profile->well_stocked()) {
       if (smoother.ready()) {
-        append(smoother.front());
+        profile->append(smoother.front());
         smoother.pop();
       } else if (!waiting.empty()) {
         simplify(waiting.front());
@@ -72,7 +69,7 @@ struct Planner::Impl {
         break;
       }
     }
-    track.plan();
+    profile->plan();
   }
 
   void simplify(const Piece& piece) {
@@ -81,25 +78,16 @@ struct Planner::Impl {
     if (!simplifier.add(piece)) smoother.add(piece);
   }
 
-  [[nodiscard]] bool full() const { return waiting.size() >= kBatch && track.sufficient(); }
+  [[nodiscard]] bool full() const { return waiting.size() >= kBatch && profile->sufficient(); }
 
   /// A supply that has ended before there is enough closes what is still open.
   void take_in(Supply supply) {
     const bool dry = supply == Supply::ended && !full();
-    if (!track.sufficient()) feed_track();
-    if (!dry || track.sufficient()) return;
+    if (!profile->sufficient()) feed_track();
+    if (!dry || profile->sufficient()) return;
     if (auto line = simplifier.take()) smoother.add(*line);
     smoother.finish();
     feed_track();
-  }
-
-  void append(const Piece& piece) {
-    if (piece.entry != Entry::vertex) {
-      track.append_span(piece);
-    } else {
-      track.plan();
-      track.append(piece);
-    }
   }
 
   Result<void> add(const Curve& curve, const Extents& extents, const Position& end,
@@ -136,7 +124,7 @@ struct Planner::Impl {
     } else if (simplifier.stop_at_end()) {
       return;
     } else if (!smoother.stop_at_end()) {
-      track.stop_at_end();
+      profile->stop_at_end();
     }
   }
 
@@ -146,67 +134,34 @@ struct Planner::Impl {
     if (settings.most_taken_back > 0) {
       if (marks.size() == settings.most_taken_back) marks.pop_front();
       marks.push_back(mark);
-      while (steps_since(marks.front()) > kMostStepsBehind) marks.pop_front();
+      while (profile->keeps_too_much(marks.front().place)) marks.pop_front();
     }
     forget_path();
   }
-  [[nodiscard]] std::uint64_t steps_since(const Mark& mark) const {
-    return track.place().step - mark.place.step;
-  }
   /// Whether another setpoint can be drawn without one before it being forgotten for want of room.
   [[nodiscard]] bool can_keep_more() const {
-    if (marks.empty()) return true;
-    return marks.size() < settings.most_taken_back &&
-           steps_since(marks.front()) + kMostLegs <= kMostStepsBehind;
+    const Ring<Mark>& oldest = unconfirmed && !taken_back.marks.empty() ? taken_back.marks : marks;
+    if (oldest.empty()) return true;
+    return marks.size() < settings.most_taken_back && profile->can_keep_more(oldest.front().place);
   }
   /// Until it is known which setpoints are executed, both ways on must stay possible.
   [[nodiscard]] bool may_draw_unconfirmed() const {
-    return can_keep_more() && (track.was_further() || track.sufficient());
+    return can_keep_more() && profile->can_go_on_alone();
   }
   void forget_path() {
-    track.forget_before(marks.empty() ? track.place().step : marks.front().place.step);
-  }
-  /// Leaves the marks before index `end`.
-  void cut_marks(std::uint64_t end) {
-    while (marks.end() > end && !marks.empty()) marks.pop_back();
-  }
-  void go_back(const Mark& mark) {
-    track.go_back(mark.place);
-    position = mark.position;
+    // Those that were taken back may count again.
+    if (unconfirmed && !taken_back.marks.empty()) return;
+    profile->forget_before(marks.empty() ? profile->place() : marks.front().place);
   }
   void forget_marks() {
     marks.clear();
     unconfirmed = false;
   }
 
-  [[nodiscard]] bool standing() const { return track.place().speed == 0.0; }
-
-  [[nodiscard]] double time_of_waiting(const Piece& piece, double length) const {
-    const Position direction = direction_bound(piece.curve);
-    const double machine = largest_along(direction, settings.limits.max_velocity);
-    const double speed = piece.kind == MoveKind::rapid
-                             ? machine * overrides.rapid
-                             : std::min(machine, piece.feed * overrides.feed_of(piece));
-    return time_alone(length, speed, largest_along(direction, settings.limits.max_acceleration));
-  }
-
-  /// Along an arc the direction takes every value: |q'_i| <= 1 for the axes of its plane bounds it,
-  /// and half of each limit is left to the curvature.
-  [[nodiscard]] static Position direction_bound(const Curve& curve) {
-    Position bound = tangent_of(curve, 0.0);
-    if (is_straight(curve)) return bound;
-    for (const Axis axis : kLinearAxes) {
-      const bool moves = bound[axis] != 0.0 || bend_of(curve, 0.0)[axis] != 0.0;
-      bound[axis] = moves ? 2.0 : 0.0;
-    }
-    return bound;
-  }
-
   PlannerSettings settings;
   Simplifier simplifier;
   Smoother smoother;
-  Track track;
-  Sampler sampler;
+  std::unique_ptr<Profile> profile;
   Ring<Piece> waiting;
   Overrides overrides;
   bool held = false;
@@ -247,34 +202,35 @@ bool Planner::full() const { return impl_->full(); }
 
 bool Planner::idle() const {
   return impl_->waiting.empty() && impl_->simplifier.empty() && impl_->smoother.empty() &&
-         impl_->track.empty();
+         impl_->profile->empty();
 }
 
 std::optional<Setpoint> Planner::next(Supply supply) {
-  Track& track = impl_->track;
+  Profile& profile = *impl_->profile;
   if (!impl_->unconfirmed) {
     impl_->take_in(supply);
   } else if (!impl_->may_draw_unconfirmed()) {
     return std::nullopt;
   }
-  const Mark mark{track.place(), impl_->position};
-  auto setpoint = impl_->sampler.next(track, impl_->held);
+  profile.prepare(impl_->held);
+  const Mark mark{profile.place(), impl_->position};
+  auto setpoint = profile.next(impl_->held);
   if (!setpoint) return std::nullopt;
   impl_->position = setpoint->position;
   impl_->keep(mark);
   return setpoint;
 }
 
-std::optional<Planner::Stretch> Planner::skip(Supply supply) {
+std::optional<Stretch> Planner::skip(Supply supply) {
   impl_->forget_marks();
   impl_->take_in(supply);
-  Track& track = impl_->track;
-  if (impl_->held || track.empty()) return std::nullopt;
-  const MoveTag tag = track.piece_at(track.place()).tag;
-  const double duration = track.skip();
-  impl_->position = track.position_at(track.place());
+  Profile& profile = *impl_->profile;
+  if (impl_->held || profile.empty()) return std::nullopt;
+  profile.prepare(false);
+  const Stretch stretch = profile.skip();
+  impl_->position = profile.position();
   impl_->forget_path();
-  return duration > 0.0 ? std::optional(Stretch{duration, tag}) : std::nullopt;
+  return stretch.duration > 0.0 ? std::optional(stretch) : std::nullopt;
 }
 
 bool Planner::keeps_setpoints() const { return impl_->settings.most_taken_back > 0; }
@@ -292,34 +248,38 @@ void Planner::forget_all_but(std::size_t count) {
 bool Planner::take_back(std::size_t count) {
   Ring<Mark>& marks = impl_->marks;
   if (impl_->unconfirmed || count > marks.size()) return false;
+  Profile& profile = *impl_->profile;
   TakenBack& taken = impl_->taken_back;
-  taken.before = {impl_->track.place(), impl_->position};
-  taken.first = marks.end() - count;
-  taken.marks.clear();
-  for (std::uint64_t i = taken.first; i != marks.end(); ++i) taken.marks.push_back(marks[i]);
+  taken.before = {profile.place(), impl_->position};
+  std::swap(marks, taken.marks);
+  marks.clear();
   impl_->unconfirmed = true;
-  impl_->cut_marks(taken.first);
-  if (count > 0) impl_->go_back(taken.marks.front());
+  profile.save();
+  if (count == 0) return true;
+  const Mark& mark = taken.marks[taken.marks.end() - count];
+  profile.go_back(mark.place);
+  impl_->position = mark.position;
   return true;
 }
 
-void Planner::confirm_take_back() { impl_->unconfirmed = false; }
+void Planner::confirm_take_back() {
+  impl_->unconfirmed = false;
+  impl_->taken_back.marks.clear();
+}
 
 void Planner::revoke_take_back() {
   if (!impl_->unconfirmed) return;
   impl_->unconfirmed = false;
-  TakenBack& taken = impl_->taken_back;
-  impl_->cut_marks(taken.first);
-  for (std::uint64_t i = taken.marks.first(); i != taken.marks.end(); ++i)
-    impl_->marks.push_back(taken.marks[i]);
-  impl_->go_back(taken.before);
+  std::swap(impl_->marks, impl_->taken_back.marks);
+  impl_->profile->revert(impl_->taken_back.before.place);
+  impl_->position = impl_->taken_back.before.position;
 }
 
 void Planner::set_overrides(double feed, double rapid) {
   // A NaN fails both comparisons of clamp and would pass: it means 0, the safe side.
   impl_->overrides = {std::isnan(feed) ? 0.0 : std::clamp(feed, 0.0, 3.0),
                       std::isnan(rapid) ? 0.0 : std::clamp(rapid, 0.0, 1.0)};
-  impl_->track.set_overrides(impl_->overrides);
+  impl_->profile->set_overrides(impl_->overrides);
 }
 
 void Planner::hold() { impl_->held = true; }
@@ -327,9 +287,9 @@ void Planner::resume() { impl_->held = false; }
 bool Planner::held() const { return impl_->held; }
 
 bool Planner::clear() {
-  if (!impl_->standing()) return false;
+  if (!impl_->profile->standing()) return false;
   impl_->forget_marks();
-  impl_->track.clear();
+  impl_->profile->clear();
   impl_->simplifier.clear();
   impl_->smoother.clear();
   impl_->waiting.clear();
@@ -341,12 +301,10 @@ const Position& Planner::queue_end() const { return impl_->queue_end; }
 const Position& Planner::position() const { return impl_->position; }
 
 double Planner::queued_time() const {
-  double time = impl_->track.time_to_end();
-  if (const double rest = impl_->track.unplanned_length(); rest > 0.0) {
-    time += impl_->time_of_waiting(impl_->track.last_piece(), rest);
-  }
+  double time = impl_->profile->time_to_end();
   for (std::uint64_t i = impl_->waiting.first(); i != impl_->waiting.end(); ++i) {
-    time += impl_->time_of_waiting(impl_->waiting[i], impl_->waiting[i].end);
+    const Piece& piece = impl_->waiting[i];
+    time += time_alone(piece, piece.end, impl_->settings.limits, impl_->overrides);
   }
   return time;
 }

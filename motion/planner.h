@@ -82,12 +82,8 @@ class Planner {
   /// it has to.
   [[nodiscard]] std::optional<Setpoint> next(Supply supply = Supply::ended);
 
-  /// Goes on without setpoints, for predictions: the time to the end of a stretch of one move, and
-  /// its tag. It moves on along the very plan that next() samples.
-  struct Stretch {
-    double duration = 0.0;
-    MoveTag tag;
-  };
+  /// Goes on without setpoints, for predictions, to the end of a stretch of one move. It moves on
+  /// along the very plan that next() samples.
   [[nodiscard]] std::optional<Stretch> skip(Supply supply = Supply::ended);
 
   /// Operator's overrides as factors; they act from the next setpoint on. Feed 0 … 3, 0 stops along

@@ -3,6 +3,7 @@
 // and popping never allocate.
 #pragma once
 
+#include <algorithm>
 #include <bit>
 #include <cassert>
 #include <cstddef>
@@ -47,6 +48,14 @@ class Ring {
   void pop_front() { ++first_; }
   void pop_back() { --end_; }
   void clear() { first_ = end_; }
+
+  /// The same elements with the same indices; allocates only if it has less room.
+  void copy(const Ring& other) {
+    slots_.resize(std::max(slots_.size(), other.slots_.size()));
+    first_ = other.first_;
+    end_ = other.end_;
+    for (std::uint64_t i = first_; i != end_; ++i) (*this)[i] = other[i];
+  }
 
   /// Makes room for `wanted` elements in all; allocates when that is more than ever before.
   void reserve(std::size_t wanted) {

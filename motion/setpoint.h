@@ -29,6 +29,12 @@ struct Setpoint {
   MoveTag tag;
 };
 
+/// Motion of one move without its setpoints, for predictions.
+struct Stretch {
+  double duration = 0.0;
+  MoveTag tag;
+};
+
 /// The cubic of one axis during a setpoint: from (p0, v0) to (p1, v1) in `duration` seconds.
 struct AxisCubic {
   double p0;

@@ -67,9 +67,10 @@ double weakest(const AxisLimits& limits) {
 
 }  // namespace
 
-Smoother::Smoother(const AxisLimits& limits, double tolerance_use)
+Smoother::Smoother(const AxisLimits& limits, double tolerance_use, double exact_path)
     : spline_(std::pow(10.0, -4.0 * std::clamp(tolerance_use, 0.0, 1.0))),
-      weakest_acceleration_(weakest(limits)) {}
+      weakest_acceleration_(weakest(limits)),
+      exact_path_(exact_path) {}
 
 void Smoother::clear() {
   spline_.clear();
@@ -87,17 +88,29 @@ double turns_of(const Curve& curve) {
   return arc ? std::abs(arc->sweep()) / (2.0 * std::numbers::pi) : 0.0;
 }
 
-bool can_be_smoothed(const Piece& piece) {
-  return piece.kind == MoveKind::feed && piece.tolerance > 0.0 &&
-         measure_of(piece.curve) == Measure::linear && turns_of(piece.curve) <= kMostTurns;
-}
-
 Position direction(const Curve& curve, double s) {
   const Position tangent = tangent_of(curve, s);
   return tangent * (1.0 / norm(tangent));
 }
 
 }  // namespace
+
+bool Smoother::can_be_smoothed(const Piece& piece) const {
+  const bool has_tube = piece.kind == MoveKind::feed && piece.tolerance > 0.0;
+  return (has_tube || exact_path_ > 0.0) && measure_of(piece.curve) == Measure::linear &&
+         turns_of(piece.curve) <= kMostTurns;
+}
+
+/// Whether the machine has to stand before the segment.
+bool Smoother::ends_run(const Segment& segment) const {
+  const Piece& piece = segment.piece;
+  const Piece& last = segments_.empty() ? last_placed_.piece : segments_.back().piece;
+  if (piece.kind != last.kind) return true;
+  const bool exact = std::min(piece.tolerance, last.tolerance) <= 0.0;
+  // |u2 − u1| of the corner's angle.
+  const double corner = 2.0 * std::sin(0.5 * piece.laf_angle * std::numbers::pi / 180.0);
+  return segment.turn > (exact ? std::min(corner, kReversal) : kReversal);
+}
 
 void Smoother::add(const Piece& piece) {
   if (!can_be_smoothed(piece)) {
@@ -117,11 +130,11 @@ void Smoother::add(const Piece& piece) {
     const Segment& last = segments_.empty() ? last_placed_ : segments_.back();
     segment.turn = norm(direction(piece.curve, 0.0) - direction(last.piece.curve, last.piece.end));
     segment.kink = segment.turn / std::min(last.length, segment.length);
-    if (segment.turn > kReversal) finish();
+    if (ends_run(segment)) finish();
   }
   if (!in_run_) {
     segment.turn = segment.kink = 0.0;
-    begin_run(piece);
+    begin_run(segment);
   }
   segments_.push_back(segment);
   if (segments_.size() > 2) place_front();
@@ -131,7 +144,9 @@ void Smoother::add(const Piece& piece) {
 double Smoother::tolerance_of(const Piece& piece, double radius) const {
   const bool feed_bound =
       radius > 0.0 && piece.feed * piece.feed < kFeedBound * weakest_acceleration_ * radius;
-  return piece.tolerance * (feed_bound ? kFeedBoundShare : 1.0);
+  // Where jerk is limited the curve has to pass from straight to round.
+  const bool has_use_for_more = exact_path_ > 0.0 || !feed_bound;
+  return std::max(piece.tolerance, exact_path_) * (has_use_for_more ? 1.0 : kFeedBoundShare);
 }
 
 /// On arcs a quarter of a radian, and so short that a cubic spline through the arc's points leaves
@@ -145,8 +160,8 @@ double Smoother::longest_step(const Segment& segment) const {
   return std::min({0.25 / turning, 0.25 * segment.length, accurate});
 }
 
-void Smoother::begin_run(const Piece& piece) {
-  spline_.begin(point_of(piece.curve, 0.0), piece.tolerance);
+void Smoother::begin_run(const Segment& first) {
+  spline_.begin(point_of(first.piece.curve, 0.0), first.tolerance);
   last_placed_ = {};
   next_entry_ = Entry::standstill;
   in_run_ = true;

@@ -4,7 +4,8 @@
 // A run is a sequence of feed moves with a tolerance, each beginning where the last ends. It ends,
 // with the machine standing still, at a move of another kind, at an exact stop, where the direction
 // nearly reverses, and when finish() says that nothing follows. Inside a run nothing stops. A run
-// of one line is that line, passed on as it is.
+// of one line is that line, passed on as it is. Where the limits of jerk ask for it, moves on an
+// exact path form runs too, with a tiny tolerance.
 //
 // Where nodes lie (tube_spline.h): every vertex is one; between two vertices the steps grow
 // geometrically from both ends, beginning with a length on which the curve can turn within the
@@ -24,8 +25,10 @@ namespace cnc::motion {
 
 class Smoother {
  public:
-  /// `tolerance_use`: part of the tube that the path may use, 0 … 1.
-  explicit Smoother(const AxisLimits& limits, double tolerance_use = 1.0);
+  /// `tolerance_use`: part of the tube that the path may use, 0 … 1. `exact_path`: moves without a
+  /// tolerance become runs of this one, which end at corners above the LAF angle; 0: they pass as
+  /// they are.
+  explicit Smoother(const AxisLimits& limits, double tolerance_use = 1.0, double exact_path = 0.0);
 
   /// The next move of the program; it begins where the last one ends.
   void add(const Piece& piece);
@@ -55,7 +58,7 @@ class Smoother {
     double kink = 0.0;  ///< turn over the shorter of the two lengths
   };
 
-  void begin_run(const Piece& piece);
+  void begin_run(const Segment& first);
   [[nodiscard]] bool is_one_line() const;
   void pass_front();
   void place_front();
@@ -63,11 +66,14 @@ class Smoother {
   [[nodiscard]] double first_step(const Segment& before, const Segment& after, double kink) const;
   void collect();
 
+  [[nodiscard]] bool can_be_smoothed(const Piece& piece) const;
+  [[nodiscard]] bool ends_run(const Segment& segment) const;
   [[nodiscard]] double tolerance_of(const Piece& piece, double radius) const;
   [[nodiscard]] double longest_step(const Segment& segment) const;
 
   TubeSpline spline_;
   double weakest_acceleration_;
+  double exact_path_;
   Ring<Segment> segments_;
   std::vector<double> steps_;  // of the segment in hand
   Segment last_placed_;

@@ -76,7 +76,9 @@ double feed_x(const PathInterval& interval, double start, double h) {
   return speed * speed;
 }
 
-double dot(const Row& row, const CellX& x) { return row[0] * x[0] + row[1] * x[1] + row[2] * x[2]; }
+double dot(const CellRow& row, const CellX& x) {
+  return row[0] * x[0] + row[1] * x[1] + row[2] * x[2];
+}
 
 /// 1/√x is convex, so that its tangent at x1, the middle coefficient, is below it everywhere. The
 /// tangent's coefficients are what |jerk / √x| has to stay below.
@@ -86,8 +88,8 @@ struct JerkBound {
   [[nodiscard]] double at(const CellX& x, std::size_t i) const {
     return root * (1.5 - 0.5 * x[i] * inverse);
   }
-  [[nodiscard]] Row gradient(const CellX& x, std::size_t i) const {
-    Row row{};
+  [[nodiscard]] CellRow gradient(const CellX& x, std::size_t i) const {
+    CellRow row{};
     row[i] = -0.5 * root * inverse;
     row[1] += 0.75 * root * inverse * (x[i] * inverse - 1.0);
     return row;
@@ -131,7 +133,7 @@ SpeedCell make_cell(const PathInterval& interval, double start, double length,
   SpeedCell cell;
   cell.length = length;
   cell.start = start;
-  cell.feed_x = feed_x(interval, start, length);
+  cell.override = interval.override;
   constexpr double kShare = 1.0 - kThirdOrderReserve;
   for (const Axis axis : kAllAxes) {
     const AxisPath path = path_of(interval, start, length, axis);
@@ -143,6 +145,7 @@ SpeedCell make_cell(const PathInterval& interval, double start, double length,
     cell.reach.include(reach_of(path, acceleration, jerk));
     cell.rows[cell.axes++] = rows_of(path, length, acceleration, jerk);
   }
+  cell.feed_x = std::isinf(interval.feed) ? cell.machine_x : feed_x(interval, start, length);
   return cell;
 }
 
@@ -196,21 +199,21 @@ void add_barrier(const SpeedCell& cell, const CellX& x, const Defence& defence, 
   for (std::size_t axis = 0; axis < cell.axes; ++axis) {
     const AxisRows& rows = cell.rows[axis];
     for (std::size_t i = 0; i < 3; ++i) {
-      const Row& row = rows.acceleration[i];
+      const CellRow& row = rows.acceleration[i];
       const double a = dot(row, x);
       const Barrier upper = hard.at(1.0 - a);
       const Barrier lower = hard.at(1.0 + a);
       model.add(row, weight * (lower.slope - upper.slope), weight * (lower.bend + upper.bend));
     }
     for (std::size_t i = 0; i < 3; ++i) {
-      const Row& row = rows.jerk[i];
+      const CellRow& row = rows.jerk[i];
       const double j = dot(row, x);
       const double most = bound.at(x, i);
-      const Row slope = bound.gradient(x, i);
+      const CellRow slope = bound.gradient(x, i);
       const Barrier upper = hard.at(reference * (most - j));
       const Barrier lower = hard.at(reference * (most + j));
-      const Row to_upper{slope[0] - row[0], slope[1] - row[1], slope[2] - row[2]};
-      const Row to_lower{slope[0] + row[0], slope[1] + row[1], slope[2] + row[2]};
+      const CellRow to_upper{slope[0] - row[0], slope[1] - row[1], slope[2] - row[2]};
+      const CellRow to_lower{slope[0] + row[0], slope[1] + row[1], slope[2] + row[2]};
       model.add(to_upper, weight * reference * upper.slope,
                 weight * reference * reference * upper.bend);
       model.add(to_lower, weight * reference * lower.slope,

@@ -29,13 +29,13 @@ namespace cnc::motion {
 using CellX = std::array<double, 3>;
 
 /// value = row · x.
-using Row = std::array<double, 3>;
+using CellRow = std::array<double, 3>;
 
 /// One axis, divided by its limits. The first acceleration coefficient of a cell is the last one of
 /// the cell before.
 struct AxisRows {
-  std::array<Row, 3> acceleration;
-  std::array<Row, 3> jerk;  ///< of jerk / √x
+  std::array<CellRow, 3> acceleration;
+  std::array<CellRow, 3> jerk;  ///< of jerk / √x
 };
 
 /// The worst axis of a stretch, limit by derivative; infinite where the derivative is zero.
@@ -69,6 +69,7 @@ struct SpeedCell {
   Reach reach;
   double machine_x = std::numeric_limits<double>::infinity();  ///< largest x for the axes' velocity
   double feed_x = 0.0;                                         ///< largest x for the feed at 100 %
+  Override override = Override::feed;
 };
 
 /// Share of the limits that the plan does not count on: half of it may be used up by what a
@@ -88,7 +89,7 @@ struct CellModel {
   std::array<double, 6> curvature{};  ///< 00 01 02 11 12 22
 
   /// A function of row · x with this slope and curvature.
-  void add(const Row& row, double slope, double bend) {
+  void add(const CellRow& row, double slope, double bend) {
     const auto& [a, b, c] = row;
     gradient[0] += slope * a;
     gradient[1] += slope * b;

@@ -111,7 +111,7 @@ double SpeedWindow::most_speed_x(std::uint64_t index) const {
 
 std::array<double, 3> SpeedWindow::most_x(std::uint64_t index) const {
   const double most = most_speed_x(index);
-  return {index == cells.first() ? std::min(most, most_start_x) : most, most,
+  return {index == begin_cell ? std::min(most, most_start_x) : most, most,
           index + 1 == cells.end() ? std::min(most, end.most_x) : most};
 }
 
@@ -153,16 +153,16 @@ double SpeedWindow::usage(std::uint64_t first) const {
 
 /// The cell before the first free one feels its coefficient too.
 std::uint64_t SpeedWindow::first_touched(std::uint64_t first) const {
-  return first > cells.first() ? first - 1 : first;
+  return first > begin_cell ? first - 1 : first;
 }
 
 void SpeedWindow::assemble(std::uint64_t first) {
   const auto size = static_cast<std::ptrdiff_t>(cells.end() - first);
   std::fill_n(gradient_.begin(), size, 0.0);
   for (auto& diagonal : diagonal_) std::fill_n(diagonal.begin(), size, 0.0);
-  const std::uint64_t begin = first_touched(first);
-  for (std::uint64_t i = begin; i != cells.end(); ++i) {
-    const Goal& goal = goals_[i - begin];
+  const std::uint64_t touched = first_touched(first);
+  for (std::uint64_t i = touched; i != cells.end(); ++i) {
+    const Goal& goal = goals_[i - touched];
     const CellX x = x_of(i);
     CellModel model;
     add_barrier(cells[i].cell, x, goal.defence, model);
@@ -219,10 +219,10 @@ void SpeedWindow::solve(std::size_t size) {
 }
 
 double SpeedWindow::merit(std::uint64_t first, double part) const {
-  const std::uint64_t begin = first_touched(first);
+  const std::uint64_t touched = first_touched(first);
   double sum = 0.0;
-  for (std::uint64_t i = begin; i != cells.end(); ++i) {
-    const Goal& goal = goals_[i - begin];
+  for (std::uint64_t i = touched; i != cells.end(); ++i) {
+    const Goal& goal = goals_[i - touched];
     const CellX x = moved_x(i, first, part);
     if (!(std::min({x[0], x[1], x[2]}) > 0.0)) return kInfinity;
     sum += goal.cost(x, cells[i].cell.length / 3.0) + barrier(cells[i].cell, x, goal.defence);
@@ -231,10 +231,10 @@ double SpeedWindow::merit(std::uint64_t first, double part) const {
 }
 
 bool SpeedWindow::improve(std::uint64_t first) {
-  const std::uint64_t begin = first_touched(first);
+  const std::uint64_t touched = first_touched(first);
   const auto size = static_cast<std::size_t>(cells.end() - first);
   if (size == 0) return false;
-  for (std::uint64_t i = begin; i != cells.end(); ++i) goals_[i - begin] = goal_of(i);
+  for (std::uint64_t i = touched; i != cells.end(); ++i) goals_[i - touched] = goal_of(i);
   assemble(first);
   solve(size);
   double promise = 0.0;
@@ -248,7 +248,7 @@ bool SpeedWindow::improve(std::uint64_t first) {
     part *= 0.5;
   }
   bool settled = true;
-  for (std::uint64_t i = begin; i != cells.end(); ++i) {
+  for (std::uint64_t i = touched; i != cells.end(); ++i) {
     PlannedCell& planned = cells[i];
     if (i >= first) planned.x += part * step_[i - first];
     settled = settled && planned.weight <= kLeastWeight && planned.least <= kLeastLeast;

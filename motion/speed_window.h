@@ -73,6 +73,7 @@ class SpeedWindow {
   explicit SpeedWindow(std::size_t max_cells);
 
   Ring<PlannedCell> cells;
+  std::uint64_t begin_cell = 0;  ///< first cell of the problem; those before it are left alone
   EndOfCells end;
   double most_start_x = 0.0;  ///< x at the begin of the first cell
 

@@ -17,20 +17,12 @@
 
 #include "motion/leg.h"
 #include "motion/limits.h"
+#include "motion/overrides.h"
 #include "motion/piece.h"
 #include "motion/ring.h"
 #include "motion/step.h"
 
 namespace cnc::motion {
-
-struct Overrides {
-  double feed = 1.0;
-  double rapid = 1.0;
-
-  [[nodiscard]] double feed_of(const Piece& piece) const {
-    return piece.follows_override ? feed : 1.0;
-  }
-};
 
 /// Where the machine is: `done` mm inside step number `step`, at `speed` = ds/dt.
 struct Place {

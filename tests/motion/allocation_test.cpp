@@ -51,11 +51,11 @@ TEST_CASE("Third-order planning, driving, hold and overrides allocate nothing", 
       plan.append(interval);
       ++appended;
     }
-    if (appended == 1000) plan.close();
+    if (appended == 1000) plan.stop_at_end();
     if (plan.due()) (void)plan.plan();
     plan.advance(plan.time_in_cell());
     plan.forget_before(plan.place());
-    if (++cells % 97 == 0) plan.set_override(0.2 + 0.01 * (cells % 90));
+    if (++cells % 97 == 0) plan.set_overrides({0.2 + 0.01 * (cells % 90), 1.0});
     if (cells % 301 == 0) plan.hold();
     if (cells % 307 == 0 || plan.standing()) plan.resume();
   }

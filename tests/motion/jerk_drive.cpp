@@ -57,7 +57,7 @@ double JerkDrive::length() const {
 
 void JerkDrive::feed() {
   while (next_ < path_.size() && plan.wants_path()) plan.append(path_[next_++]);
-  if (next_ == path_.size()) plan.close();
+  if (next_ == path_.size()) plan.stop_at_end();
   while (plan.due()) {
     if (plan.plan()) continue;
     ++failed_plans_;
@@ -66,14 +66,14 @@ void JerkDrive::feed() {
 }
 
 Position JerkDrive::acceleration(const PathMotion& motion) const {
-  const PathInterval& q = plan.interval(motion.place.interval);
+  const PathInterval& q = plan.intervals()[motion.place.interval];
   const double u = motion.place.start;
   return motion.w * q.first_at(u) + (motion.v * motion.v) * q.second_at(u);
 }
 
 void JerkDrive::sample() {
   const PathMotion motion = plan.motion();
-  const PathInterval& q = plan.interval(motion.place.interval);
+  const PathInterval& q = plan.intervals()[motion.place.interval];
   const double u = motion.place.start;
   const double x = motion.v * motion.v;
   const Position first = q.first_at(u);

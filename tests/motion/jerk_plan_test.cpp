@@ -204,9 +204,9 @@ TEST_CASE("An override that changes at any instant keeps the limits and arrives 
         drive.feed();
         if (!drive.plan.standing()) drive.step(0.004);
       }
-      drive.plan.set_override(std::exp(std::uniform_real_distribution<double>(-3.0, 0.7)(random)));
+      drive.plan.set_overrides({std::exp(std::uniform_real_distribution<double>(-3.0, 0.7)(random)), 1.0});
     }
-    drive.plan.set_override(1.0);
+    drive.plan.set_overrides({1.0, 1.0});
     drive.run();
     CHECK(drive.plan.idle());
     CHECK(drive.stops() == 1);
@@ -222,7 +222,7 @@ TEST_CASE("A lowered override slows a straight line down as fast as the jerk all
     drive.feed();
   }
   CHECK(drive.plan.motion().v > 99.0);
-  drive.plan.set_override(0.2);
+  drive.plan.set_overrides({0.2, 1.0});
   drive.feed();
   // 80 mm/s at 500 mm/s² and 25 ms to build up and reduce it: 0.185 s.
   const double before = drive.time();

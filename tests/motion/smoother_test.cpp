@@ -301,7 +301,7 @@ TEST_CASE("A prediction takes exactly as long as the setpoints", "[JOB-5][MOT-1]
   double stretches = 0.0;
   const auto draw = [&] {
     while (sampled.full()) setpoints += sampled.next().value_or(Setpoint{}).duration;
-    while (predicted.full()) stretches += predicted.skip().value_or(Planner::Stretch{}).duration;
+    while (predicted.full()) stretches += predicted.skip().value_or(Stretch{}).duration;
   };
   for (int i = 0; i < 400; ++i) {
     Position end = sampled.queue_end();
@@ -319,7 +319,7 @@ TEST_CASE("A prediction takes exactly as long as the setpoints", "[JOB-5][MOT-1]
     draw();
   }
   while (!sampled.idle()) setpoints += sampled.next().value_or(Setpoint{}).duration;
-  while (!predicted.idle()) stretches += predicted.skip().value_or(Planner::Stretch{}).duration;
+  while (!predicted.idle()) stretches += predicted.skip().value_or(Stretch{}).duration;
   CHECK(stretches == Approx(setpoints).epsilon(1e-7));
   CHECK(predicted.position() == sampled.position());
 }
