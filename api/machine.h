@@ -27,6 +27,7 @@ struct AxisDescription {
   double positive_limit = 0.0;
   double max_velocity = 0.0;
   double max_acceleration = 0.0;
+  double max_jerk = 0.0;  ///< 0: no limit
   double home_position = 0.0;
 };
 

@@ -41,6 +41,7 @@ struct AxisConfig {
   double positive_limit = 0.0;
   double velocity = 50.0;       ///< per second
   double acceleration = 200.0;  ///< per second squared
+  double jerk = 0.0;            ///< per second cubed; 0: no limit
   double backlash = 0.0;
   bool pitch_compensation = false;
   std::vector<PitchPoint> pitch_table{};  ///< of the file of its own (pitch_table.h); empty: none

@@ -98,6 +98,9 @@ constexpr std::array kAxisRows{
     Setting{.key = "acceleration", .unit = length_per_second2, .min = 0.001, .max = 1'000'000.0,
             .help = "Highest acceleration of the axis in any motion.",
             .access = kOfAxis<&AxisConfig::acceleration>, .required_when_connected = true},
+    Setting{.key = "jerk", .unit = length_per_second3, .min = 0, .max = 1e9,
+            .help = "Highest jerk of the axis, how fast its acceleration may change; 0: no limit. With a limit on any axis all motion is planned softly.",
+            .access = kOfAxis<&AxisConfig::jerk>},
     Setting{.key = "backlash", .unit = length, .min = 0, .max = 10,
             .help = "Play between motor and axis that is made up for at every reversal; above 0.1 mm mend the machine first.",
             .access = kOfAxis<&AxisConfig::backlash>},
@@ -244,12 +247,15 @@ constexpr SettingUnit rotary_unit(SettingUnit unit) {
       return degree_per_second;
     case length_per_second2:
       return degree_per_second2;
+    case length_per_second3:
+      return degree_per_second3;
     case steps_per_length:
       return steps_per_degree;
     case none:
     case degree:
     case degree_per_second:
     case degree_per_second2:
+    case degree_per_second3:
     case steps_per_degree:
     case second:
     case rpm:

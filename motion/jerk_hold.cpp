@@ -32,33 +32,42 @@ constexpr double kTimeWorthSplitting = 0.002;
 
 }  // namespace
 
-/// Lets a change act from the present place on, not from the end of the present cell.
+/// Lets a change act from the present place on, not from the end of the present cell: that becomes
+/// two, of which the first is behind the motion.
 void JerkPlan::split_present_cell() {
-  if (place_.phase != Phase::driving || place_.time == 0.0) return;
   auto& cells = window_.cells;
+  if (place_.phase != Phase::driving || place_.time == 0.0 || cells.free() == 0) return;
   const std::uint64_t index = place_.cell;
+  const CellX x = x_in_force(index, run());
+  const SpeedCell whole = cells[index].cell;
   const MotionState now = motion_of(index, run()).after(place_.time);
-  const double rest = cells[index].cell.length - now.s;
-  if (rest < kPartWorthSplitting * cells[index].cell.length ||
-      time_in_cell() < kTimeWorthSplitting) {
-    return;
+  const double rest = whole.length - now.s;
+  if (rest < kPartWorthSplitting * whole.length || time_in_cell() < kTimeWorthSplitting) return;
+
+  cells.push_back(cells.back());
+  for (std::uint64_t i = cells.end() - 2; i > index; --i) cells[i + 1] = cells[i];
+  PlannedCell& driven = cells[index];
+  PlannedCell& ahead = cells[index + 1];
+  ahead = driven;
+  driven.cell = cutter_.cell_at({whole.interval, whole.start}, now.s);
+  driven.x_in_force = x[0] + now.s * (x[1] - x[0]) / whole.length;
+  ahead.cell = cutter_.cell_at({whole.interval, whole.start + now.s}, rest);
+  ahead.x_in_force = now.v * now.v + rest * now.w;
+  ahead.distance += now.s;
+  ahead.knot = knot_between(now.s, rest);
+  if (index == run().begin) {
+    driven.knot.behind = part_beside_standstill(now.s, run().start_length);
+  } else if (driven.knot.before != 0.0) {
+    driven.knot = knot_between(cells[index - 1].cell.length, now.s);
   }
-  drop_behind(index - cells.first());
-  window_.begin_cell = index;
-  window_.most_start_x = kInfinity;
-  PlannedCell& planned = cells[index];
-  const SpeedCell whole = planned.cell;
-  planned.cell = cutter_.cell_at({whole.interval, whole.start + now.s}, rest);
-  planned.distance += now.s;
-  planned.knot = {0.0, 0.0, now.v * now.v};
-  planned.x_in_force = now.v * now.v + rest * now.w;
-  if (index + 1 < cells.end()) {
-    cells[index + 1].knot = knot_between(rest, cells[index + 1].cell.length);
-  }
-  if (Stop& stop = run().stop; index + 1 == stop.cell) {
+  Stop& stop = run().stop;
+  if (++stop.cell == index + 2) {
     stop.end.knot.before = part_beside_standstill(rest, stop.length);
+  } else {
+    cells[index + 2].knot = knot_between(rest, cells[index + 2].cell.length);
   }
-  place_.time = 0.0;
+  window_.end = stop.end;
+  place_ = {place_.run, Phase::driving, index + 1, 0.0};
 }
 
 /// A hold is a plan to a stop early on the path: the shortest of a few distances for which there is

@@ -23,6 +23,9 @@ constexpr std::size_t kFewCells = 16;
 
 constexpr double kNothingLeft = 1e-9;
 
+/// Times that differ by less are the same, s.
+constexpr double kInstant = 1e-12;
+
 constexpr double kLeastFactor = 1e-3;
 constexpr double kMostFactor = 10.0;
 
@@ -138,7 +141,7 @@ void JerkPlan::clear() {
   none.begin = none.stop.cell = window_.cells.end();
   none.end = cutter_.place();
   runs_.push_back(none);
-  place_ = {place_.change, runs_.first(), Phase::standing, window_.cells.end(), 0.0};
+  place_ = {runs_.first(), Phase::standing, window_.cells.end(), 0.0};
   look_ahead_ = stopping_time_ = 0.0;
   retry_at_cell_ = 0;
 }
@@ -250,7 +253,7 @@ double JerkPlan::time_in_cell(const MotionPlace& place) const {
 
 MotionPlace JerkPlan::behind_cell(const MotionPlace& place) const {
   const Run& run = run_of(place);
-  MotionPlace next{place.change, place.run, place.phase, place.cell, 0.0};
+  MotionPlace next{place.run, place.phase, place.cell, 0.0};
   switch (place.phase) {
     case Phase::starting:
       next.phase = Phase::driving;
@@ -270,11 +273,11 @@ MotionPlace JerkPlan::behind_cell(const MotionPlace& place) const {
 MotionPlace JerkPlan::after(MotionPlace place, double time) const {
   while (place.phase != Phase::standing) {
     const double rest = time_in_cell(place);
-    if (time < rest) {
-      place.time += time;
+    if (time < rest - kInstant) {
+      place.time += std::max(0.0, time);
       return place;
     }
-    time -= std::max(0.0, rest);
+    time -= rest;
     place = behind_cell(place);
   }
   return place;

@@ -28,7 +28,6 @@ namespace cnc::motion {
 /// Ordered along the motion.
 struct MotionPlace {
   enum class Phase : std::uint8_t { starting, driving, stopping, standing };
-  std::uint32_t change = 0;  ///< counts the holds, resumes and overrides that were planned
   std::uint64_t run = 0;     ///< standing: the one that has ended
   Phase phase = Phase::standing;
   std::uint64_t cell = 0;
@@ -94,7 +93,7 @@ class JerkPlan {
   /// Moves on along the plan in force.
   void advance(double time) { advance_to(after(place_, time)); }
   void advance_to(const MotionPlace& place);
-  /// Back to a place that was not forgotten, of the present `change`.
+  /// Back to a place that was not forgotten. What is planned then replaces all that followed.
   void go_back(const MotionPlace& place);
   /// Nobody comes back to a place before this one: gives its memory free. To be called now and
   /// then.

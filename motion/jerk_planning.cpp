@@ -1,6 +1,8 @@
 // How a JerkPlan goes on: a guess for the longer path, rounds, and what becomes of the result.
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <cstdlib>
 #include <limits>
 
 #include "motion/jerk_plan.h"
@@ -44,7 +46,6 @@ bool JerkPlan::plan() {
   rounds_ = 0;
   if (place_.phase == Phase::stopping) return false;
   if (changed_) {
-    ++place_.change;
     drop_later_runs();
     split_present_cell();
   }
@@ -53,6 +54,12 @@ bool JerkPlan::plan() {
     return true;
   }
   const bool done = held_ ? plan_hold() : plan_run();
+  if (getenv("JD"))
+    fprintf(stderr,
+            "plan run %lu phase %d cell %lu t %.5f done %d rounds %d new %d end cell %lu left %.4f "
+            "known %d la %.3f\n",
+            place_.run, int(place_.phase), place_.cell, place_.time, done, rounds_, new_cells_,
+            run().stop.cell, cutter_.left(), cutter_.end_is_known(), look_ahead_);
   if (done) changed_ = false;
   retry_at_cell_ = done ? 0 : place_.cell + kCellsBeforeRetry;
   return done;
@@ -147,7 +154,7 @@ void JerkPlan::begin_run() {
 
 void JerkPlan::begin_next_run() {
   const std::uint64_t next = place_.run + 1;
-  place_ = {place_.change, next, Phase::starting, runs_[next].begin, 0.0};
+  place_ = {next, Phase::starting, runs_[next].begin, 0.0};
 }
 
 void JerkPlan::cut() {

@@ -13,15 +13,15 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr std::size_t kMostCells = 4096;
-constexpr std::size_t kMostIntervals = 4096;
+constexpr std::size_t kMostCells = 8192;
+constexpr std::size_t kMostIntervals = 8192;
 
 /// How much may lie behind the motion, so that the rest is enough ahead of it; and how much a
 /// setpoint may add.
-constexpr std::uint64_t kMostCellsBehind = 1024;
+constexpr std::uint64_t kMostCellsBehind = 4096;
 constexpr std::uint64_t kMostRunsBehind = 256;
-constexpr std::uint64_t kMostIntervalsBehind = 1024;
-constexpr std::uint64_t kMostCellsOfSetpoint = 64;
+constexpr std::uint64_t kMostIntervalsBehind = 4096;
+constexpr std::uint64_t kMostCellsOfSetpoint = 256;
 
 /// Turning of an arc in one interval, radians: q'' changes linearly there instead of along a
 /// circle, and is 1e-4 of itself too small in the middle.
@@ -29,6 +29,13 @@ constexpr double kArcStep = 0.03;
 
 /// Largest distance of a setpoint's cubic from the planned motion, mm: far below any step.
 constexpr double kPathTolerance = 1e-5;
+
+/// Acceleration of a cubic at its ends beside that of the planned motion: so much of the change
+/// that the jerk allows while it lasts. It leaps by that from one setpoint to the next.
+constexpr double kLeap = 0.02;
+
+/// Setpoints are never shorter, s.
+constexpr double kSliver = 2e-5;
 
 /// Places this close are the same, mm.
 constexpr double kSamePlace = 1e-9;
@@ -49,13 +56,14 @@ JerkLimits jerk_limits(const AxisLimits& limits) {
 
 }  // namespace
 
-JerkProfile::JerkProfile(const AxisLimits& limits, double max_duration)
+JerkProfile::JerkProfile(const AxisLimits& limits, double max_duration, bool goes_back)
     : limits_(limits),
       max_duration_(max_duration),
       plan_(jerk_limits(limits), kMostCells, kMostIntervals),
       pieces_(kMostIntervals),
       parts_(kMostIntervals) {
   limits_.max_jerk = jerk_limits(limits).jerk;
+  if (goes_back) plan_.save();
 }
 
 // --- The path ------------------------------------------------------------------------------------
@@ -159,15 +167,13 @@ std::uint64_t JerkProfile::cells_since(const MotionPlace& place) const {
 
 bool JerkProfile::keeps_too_much(const ProfilePlace& oldest) const {
   const auto& place = std::get<MotionPlace>(oldest);
-  return place.change != plan_.place().change || cells_since(place) > kMostCellsBehind ||
-         plan_.place().run - place.run > kMostRunsBehind ||
+  return cells_since(place) > kMostCellsBehind || plan_.place().run - place.run > kMostRunsBehind ||
          plan_.motion().place.interval - plan_.motion_at(place).place.interval >
              kMostIntervalsBehind;
 }
 
 bool JerkProfile::can_keep_more(const ProfilePlace& oldest) const {
   const auto& place = std::get<MotionPlace>(oldest);
-  if (place.change != plan_.place().change) return true;
   return cells_since(place) + kMostCellsOfSetpoint <= kMostCellsBehind &&
          plan_.place().run - place.run < kMostRunsBehind &&
          plan_.motion().place.interval - plan_.motion_at(place).place.interval +
@@ -201,16 +207,21 @@ void JerkProfile::prepare(bool held) {
 
 std::optional<Setpoint> JerkProfile::next(bool /*held*/) {
   if (plan_.standing()) return std::nullopt;
-  double duration = longest_duration();
-  Setpoint setpoint = setpoint_of(duration);
-  while (duration > kShortestSetpoint && !keeps_limits(setpoint)) {
-    duration = shorter_than(duration);
-    setpoint = setpoint_of(duration);
+  Setpoint setpoint = setpoint_of(longest_duration());
+  while (!follows(setpoint)) {
+    if (setpoint.duration > kShortestSetpoint) {
+      setpoint = setpoint_of(shorter_than(setpoint.duration));
+    } else {
+      // Within a cell the jerk does not leap.
+      const double rest = plan_.time_in_cell();
+      if (rest > kSliver) setpoint = setpoint_of(std::min(setpoint.duration, rest));
+      break;
+    }
   }
-  const Piece& piece = piece_before(duration);
+  const Piece& piece = piece_before(setpoint.duration);
   setpoint.tag = piece.tag;
   setpoint.feed_limit = piece.kind == MoveKind::feed ? piece.feed : 0.0;
-  plan_.advance_to(plan_.after(plan_.place(), duration));
+  plan_.advance_to(plan_.after(plan_.place(), setpoint.duration));
   return setpoint;
 }
 
@@ -230,12 +241,12 @@ double JerkProfile::longest_duration() const {
 double JerkProfile::shorter_than(double duration) const {
   double time = 0.0;
   double best = 0.0;
-  const double most = 0.7 * duration;
+  const double most = 0.95 * duration;
   for (MotionPlace at = plan_.place(); time <= most; at = plan_.behind_cell(at)) {
     best = time;
     time += plan_.time_in_cell(at);
   }
-  return best > 0.3 * duration || best > kShortestSetpoint ? best : 0.5 * duration;
+  return std::max(kShortestSetpoint, best > 0.25 * duration ? best : 0.5 * duration);
 }
 
 Setpoint JerkProfile::setpoint_of(double duration) const {
@@ -250,22 +261,35 @@ Setpoint JerkProfile::setpoint_of(double duration) const {
   return setpoint;
 }
 
+Position JerkProfile::acceleration_after(double time) const {
+  const PathMotion motion = plan_.motion_at(plan_.after(plan_.place(), time));
+  if (motion.v == 0.0) return {};
+  const PathInterval& q = plan_.intervals()[motion.place.interval];
+  const double u = motion.place.start;
+  return motion.w * q.first_at(u) + (motion.v * motion.v) * q.second_at(u);
+}
+
 /// Of the move that it drives last.
 const Piece& JerkProfile::piece_before(double time) const {
   const MotionPlace place = plan_.after(plan_.place(), time * (1.0 - 1e-6));
   return piece_of(plan_.motion_at(place).place.interval);
 }
 
-bool JerkProfile::keeps_limits(const Setpoint& setpoint) const {
+bool JerkProfile::follows(const Setpoint& setpoint) const {
   const Setpoint start = setpoint_of(0.0);
   constexpr std::array<double, 2> kParts{1.0 / 3.0, 2.0 / 3.0};
   std::array<Position, 2> planned;
   for (std::size_t i = 0; i < kParts.size(); ++i) {
     planned[i] = setpoint_of(kParts[i] * setpoint.duration).position;
   }
+  const Position start_acceleration = acceleration_after(0.0);
+  const Position end_acceleration = acceleration_after(setpoint.duration);
   for (const Axis axis : kAllAxes) {
     const AxisCubic cubic = cubic_of(axis, start.position, start.velocity, setpoint);
     const double most = limits_.max_acceleration[axis];
+    const double leap = kLeap * limits_.max_jerk[axis] * setpoint.duration;
+    if (std::abs(cubic.start_acceleration() - start_acceleration[axis]) > leap) return false;
+    if (std::abs(cubic.end_acceleration() - end_acceleration[axis]) > leap) return false;
     if (std::abs(cubic.start_acceleration()) > most) return false;
     if (std::abs(cubic.end_acceleration()) > most) return false;
     if (cubic.fastest() > limits_.max_velocity[axis]) return false;
@@ -285,7 +309,7 @@ Stretch JerkProfile::skip() {
   do {
     stretch.duration += plan_.time_in_cell();
     plan_.advance_to(plan_.behind_cell(plan_.place()));
-  } while (!plan_.standing() && !plan_.due() &&
+  } while (!plan_.standing() && !plan_.due() && !plan_.lacks_path() &&
            parts_[plan_.motion().place.interval].piece == piece);
   return stretch;
 }

@@ -13,7 +13,7 @@ namespace cnc::motion {
 
 class JerkProfile final : public Profile {
  public:
-  JerkProfile(const AxisLimits& limits, double max_duration);
+  JerkProfile(const AxisLimits& limits, double max_duration, bool goes_back);
 
   [[nodiscard]] bool sufficient() const override { return !plan_.lacks_path(); }
   [[nodiscard]] bool well_stocked() const override { return !plan_.wants_path(); }
@@ -56,7 +56,8 @@ class JerkProfile final : public Profile {
   [[nodiscard]] double place_on_curve(const PathPlace& place) const;
   [[nodiscard]] Position position_at(const PathPlace& place) const;
   [[nodiscard]] Setpoint setpoint_of(double duration) const;
-  [[nodiscard]] bool keeps_limits(const Setpoint& setpoint) const;
+  [[nodiscard]] Position acceleration_after(double time) const;
+  [[nodiscard]] bool follows(const Setpoint& setpoint) const;
   [[nodiscard]] double longest_duration() const;
   [[nodiscard]] double shorter_than(double duration) const;
 

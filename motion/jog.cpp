@@ -4,29 +4,14 @@
 #include <cmath>
 #include <fmt/core.h>
 
+#include "motion/axis_ramp.h"
+
 namespace cnc::motion {
 
 namespace {
 
 /// An axis this close to where it should stop has arrived; far below a step, above rounding. mm.
 constexpr double kArrived = 1e-9;
-
-/// Largest velocity v' >= 0 that an axis may have at the end of this tick, when it may travel
-/// `room` further, now moves at v, and later brakes with one constant acceleration of at most a per
-/// tick.
-///
-/// A stop from v' = (m + r) aT with 0 <= r < 1 takes m ticks at a and one for the rest, over
-/// aT² (m (m + 2r)/2 + r/2); together with the tick (v + v') T/2 that lies ahead the room needed is
-/// vT/2 + aT² ((m + 1)(m + r) − m (m + 1)/2). That is continuous and piecewise linear in v', and at
-/// r = 0 it is aT² m (m + 1)/2, which gives m for the room that there is.
-double fastest_with_room(double room, double v, double a, double tick) {
-  if (std::isinf(room)) return room;
-  const double free = room - 0.5 * v * tick;
-  if (free <= 0.0) return 0.0;
-  const double units = free / (a * tick * tick);
-  const double m = std::floor(0.5 * (std::sqrt(1.0 + 8.0 * units) - 1.0));
-  return (free / tick + 0.5 * m * (m + 1.0) * a * tick) / (m + 1.0);
-}
 
 }  // namespace
 
@@ -76,12 +61,16 @@ Result<void> JogPlanner::move_by(Axis axis, double distance, double speed) {
 
 void JogPlanner::stop() { orders_ = {}; }
 
-void JogPlanner::go_back(const Position& position, const Position& velocity) {
+void JogPlanner::go_back(const Position& position, const Position& velocity,
+                         const Position& acceleration) {
   position_ = position;
   velocity_ = velocity;
+  for (const Axis axis : kAllAxes) {
+    acceleration_[axis] = limits_.max_jerk[axis] > 0.0 ? acceleration[axis] : 0.0;
+  }
 }
 
-bool JogPlanner::standing() const { return velocity_ == Position{}; }
+bool JogPlanner::standing() const { return velocity_ == Position{} && acceleration_ == Position{}; }
 
 std::optional<Setpoint> JogPlanner::next() {
   const Position before = position_;
@@ -99,8 +88,8 @@ void JogPlanner::advance(Axis axis) {
   Order& order = orders_[axis];
   double& p = position_[axis];
   double& v = velocity_[axis];
-  if (order.target == p && v == 0.0) order = {};
-  if (v == 0.0 && order.velocity == 0.0) return;
+  if (order.target == p && v == 0.0 && acceleration_[axis] == 0.0) order = {};
+  if (v == 0.0 && acceleration_[axis] == 0.0 && order.velocity == 0.0) return;
 
   const TravelRange& travel = travel_[axis];
   const bool upward = order.target.value_or(p + order.velocity) > p;
@@ -109,20 +98,17 @@ void JogPlanner::advance(Axis axis) {
   const double wanted = order.target && !upward ? -order.velocity : order.velocity;
 
   const double a = limits_.max_acceleration[axis];
-  const double fastest_up = fastest_with_room(top - p, v, a, tick_);
-  const double fastest_down = fastest_with_room(p - bottom, -v, a, tick_);
-  const double within = std::min(std::max(wanted, -fastest_down), fastest_up);
-  double next_v = std::clamp(within, v - a * tick_, v + a * tick_);
-  double next_p = p + 0.5 * (v + next_v) * tick_;
+  const AxisRamp ramp(a, limits_.max_jerk[axis], tick_);
+  AxisState next = ramp.next({p, v, acceleration_[axis]}, wanted, {bottom, top});
 
   // The last tick of a stop leaves rounding behind; it must not become motion of its own.
-  const double goal = next_v + v > 0.0 ? top : bottom;
-  if (std::abs(next_p - goal) <= kArrived && std::abs(next_v) <= 1e-6 * a * tick_) {
-    next_p = goal;
-    next_v = 0.0;
+  const double goal = next.velocity + v > 0.0 ? top : bottom;
+  if (std::abs(next.position - goal) <= kArrived && ramp.nearly_stands(next)) {
+    next = {goal, 0.0, 0.0};
   }
-  p = next_p;
-  v = next_v;
+  p = next.position;
+  v = next.velocity;
+  acceleration_[axis] = next.acceleration;
 }
 
 bool JogPlanner::set_position(const Position& position) {

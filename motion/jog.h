@@ -1,8 +1,9 @@
 // Manual motion: each axis for itself, at a velocity that may change at any moment or to a
 // position.
 //
-// Time is divided into equal ticks with one constant acceleration each, so that a setpoint per tick
-// is exact and an axis stops exactly where it should, without a last crumb of motion. Jogging with
+// Time is divided into equal ticks with one acceleration, or one jerk, each (axis_ramp.h), so that
+// a setpoint per tick is exact and an axis stops exactly where it should, without a last crumb of
+// motion. Jogging with
 // keys and hand wheel, step jog and the moves of homing are all driven with it. No thread, no
 // clock: whoever draws setpoints gives the time. next() does not allocate.
 #pragma once
@@ -44,9 +45,9 @@ class JogPlanner {
   /// All axes brake to a standstill.
   void stop();
 
-  /// The ticks that led on from here are void, orders stay: the next tick begins at a position and
-  /// velocity that an earlier one has ended with.
-  void go_back(const Position& position, const Position& velocity);
+  /// The ticks that led on from here are void, orders stay: the next tick begins in the state that
+  /// an earlier one has ended with.
+  void go_back(const Position& position, const Position& velocity, const Position& acceleration);
 
   /// The next tick; nothing when every axis stands where it should.
   [[nodiscard]] std::optional<Setpoint> next();
@@ -75,6 +76,7 @@ class JogPlanner {
   AxisArray<Order> orders_;
   Position position_;
   Position velocity_;
+  Position acceleration_;  ///< of axes with a limit of jerk
 };
 
 }  // namespace cnc::motion

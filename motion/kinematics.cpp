@@ -27,10 +27,14 @@ AxisLimits Kinematics::machine_limits(const AxisLimits& joints) const {
   for (const Axis joint : kAllAxes) {
     if (!is_slave(joint)) continue;
     const Axis master = axes_[joint];
-    limits.max_velocity[joint] = limits.max_acceleration[joint] = 0.0;
+    limits.max_velocity[joint] = limits.max_acceleration[joint] = limits.max_jerk[joint] = 0.0;
     limits.max_velocity[master] = std::min(limits.max_velocity[master], joints.max_velocity[joint]);
     limits.max_acceleration[master] =
         std::min(limits.max_acceleration[master], joints.max_acceleration[joint]);
+    double& jerk = limits.max_jerk[master];
+    if (const double own = joints.max_jerk[joint]; own > 0.0) {
+      jerk = jerk > 0.0 ? std::min(jerk, own) : own;
+    }
   }
   return limits;
 }

@@ -9,7 +9,8 @@ namespace cnc::motion {
 namespace {
 
 /// Last digits of positions, mm: the same motion computed twice may differ by this. Seen over the
-/// duration h of a setpoint it is a velocity of 2/h and an acceleration of 6/h² times as much.
+/// duration h of a setpoint it is a velocity of 2/h, an acceleration of 6/h² and a jerk of 12/h³
+/// times as much.
 constexpr double kPositionRounding = 1e-10;
 
 struct Bounds {
@@ -74,6 +75,15 @@ Result<void> check_acceleration(Axis axis, const AxisCubic& cubic, double limit)
                           axis_name(axis), hardest, limit));
 }
 
+Result<void> check_jerk(Axis axis, const AxisCubic& cubic, double limit) {
+  const double jerk = std::abs(cubic.jerk());
+  const double rounding = 12.0 * kPositionRounding / std::pow(cubic.duration, 3);
+  if (limit <= 0.0 || jerk <= limit * (1.0 + kRateTolerance) + rounding) return {};
+  return fail(ErrorCode::setpoint_jerk_too_high,
+              fmt::format("Axis {} would jerk with {:.6g} per second³; its limit is {:.6g}.",
+                          axis_name(axis), jerk, limit));
+}
+
 }  // namespace
 
 SetpointCheck::SetpointCheck(const AxisLimits& limits, const Extents& travel, const Position& start)
@@ -89,6 +99,7 @@ Result<void> SetpointCheck::check(const Setpoint& setpoint) {
     if (auto good = check_acceleration(axis, cubic, limits_.max_acceleration[axis]); !good) {
       return good;
     }
+    if (auto good = check_jerk(axis, cubic, limits_.max_jerk[axis]); !good) return good;
   }
   position_ = setpoint.position;
   velocity_ = setpoint.velocity;

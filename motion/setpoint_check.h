@@ -15,7 +15,7 @@ namespace cnc::motion {
 
 /// A planned setpoint keeps the limits but for rounding. The check lets a little more pass than the
 /// planner uses: it is there for faults, and stopping a cut for the last digit would be one.
-inline constexpr double kRateTolerance = 1e-3;    ///< part of a velocity or acceleration limit
+inline constexpr double kRateTolerance = 1e-3;    ///< part of a limit of rate
 inline constexpr double kTravelTolerance = 2e-4;  ///< mm or degrees beyond the travel
 
 class SetpointCheck {
@@ -24,8 +24,8 @@ class SetpointCheck {
   /// where the machine stands. An axis that is outside already may move, but not further out.
   SetpointCheck(const AxisLimits& limits, const Extents& travel, const Position& start);
 
-  /// Position, velocity and acceleration of the whole cubic from the end of the last setpoint that
-  /// was good to the end of this one. After an error nothing has changed.
+  /// Position, velocity, acceleration and jerk of the whole cubic from the end of the last setpoint
+  /// that was good to the end of this one. After an error nothing has changed.
   [[nodiscard]] Result<void> check(const Setpoint& setpoint);
 
   /// The next setpoint begins here and with this velocity, by whatever means.

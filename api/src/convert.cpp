@@ -103,6 +103,7 @@ AxisDescription axis_description(const v1::AxisDescription& wire, Axis axis) {
           .positive_limit = wire.positive_limit(),
           .max_velocity = wire.max_velocity(),
           .max_acceleration = wire.max_acceleration(),
+          .max_jerk = wire.max_jerk(),
           .home_position = wire.home_position()};
 }
 

@@ -62,6 +62,7 @@ namespace cnc::server {
     const config::AxisConfig& from = config.axes[axis];
     limits.max_velocity[axis] = from.connected() ? from.velocity : 0.0;
     limits.max_acceleration[axis] = from.connected() ? from.acceleration : 0.0;
+    limits.max_jerk[axis] = from.connected() ? from.jerk : 0.0;
   }
   return limits;
 }

@@ -88,7 +88,7 @@ void JogControl::replan() {
 
 void JogControl::cut(std::size_t count) {
   feed_.begin_cut(count);
-  planner_.go_back(feed_.commanded(), feed_.end_velocity());
+  planner_.go_back(feed_.commanded(), feed_.end_velocity(), feed_.end_acceleration());
   draw();
   feed_.commit_cut();
 }

@@ -45,6 +45,22 @@ motion::Extents motor_travel(const config::MachineConfig& config,
   return travel;
 }
 
+/// Compensation adds to the jerk of the plan; only the plan is held to that limit.
+motion::AxisLimits motor_check_limits(const config::MachineConfig& config) {
+  motion::AxisLimits limits = motor_limits(config);
+  limits.max_jerk = {};
+  return limits;
+}
+
+Position end_acceleration_of(const motion::Setpoint& setpoint, const Position& position,
+                             const Position& velocity) {
+  Position acceleration;
+  for (const Axis axis : kAllAxes) {
+    acceleration[axis] = motion::cubic_of(axis, position, velocity, setpoint).end_acceleration();
+  }
+  return acceleration;
+}
+
 }  // namespace
 
 MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config)
@@ -52,7 +68,7 @@ MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config)
       config_(config),
       compensation_(compensation_settings(config)),
       check_(limits(), travel({}), Position{}),
-      motor_check_(motor_limits(config), travel({}), Position{}),
+      motor_check_(motor_check_limits(config), travel({}), Position{}),
       void_state_(compensation_.state()) {
   history_[0].state = void_state_;
 }
@@ -91,9 +107,9 @@ bool MotionFeed::wants_more(double lead) const {
 
 void MotionFeed::begin_motion(const AxisArray<bool>& limited) {
   check_ = motion::SetpointCheck(limits(), travel(limited), commanded_);
-  motor_check_ =
-      motion::SetpointCheck(motor_limits(config_), motor_travel(config_, compensation_, limited),
-                            compensation_.motors_at(commanded_));
+  motor_check_ = motion::SetpointCheck(motor_check_limits(config_),
+                                       motor_travel(config_, compensation_, limited),
+                                       compensation_.motors_at(commanded_));
 }
 
 /// With a height map Z keeps away from its ends by what the map may add.
@@ -142,6 +158,7 @@ Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Se
             .end = setpoint.position,
             .start_velocity = before.end_velocity,
             .end_velocity = setpoint.velocity,
+            .end_acceleration = end_acceleration_of(setpoint, commanded_, before.end_velocity),
             .tag = setpoint.tag,
             .feed_limit = setpoint.feed_limit,
             .motors = motors.position,
@@ -287,10 +304,10 @@ void MotionFeed::accept_board_position() {
   Sent& executing = history_[status_.board.executing_id % kHistory];
   if (executing.id == status_.board.executing_id) {
     executing.moves = {};
-    executing.end_velocity = executing.motor_velocity = {};
+    executing.end_velocity = executing.end_acceleration = executing.motor_velocity = {};
   }
   Sent& last = history_[last_id_ % kHistory];
-  last.end_velocity = {};
+  last.end_velocity = last.end_acceleration = {};
   last.end_time = executed_time();
   last.ordinal = executing.ordinal;  // nothing is under way
   void_id_ = newest_id_;

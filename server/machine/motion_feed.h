@@ -65,6 +65,7 @@ class MotionFeed {
   [[nodiscard]] CutAnswer cut_answer();
   /// How fast the last segment ends that is not void.
   [[nodiscard]] const Position& end_velocity() const { return sent(last_id_).end_velocity; }
+  [[nodiscard]] const Position& end_acceleration() const { return sent(last_id_).end_acceleration; }
 
   /// Everything emitted and every command sent has been executed, and the machine stands.
   [[nodiscard]] bool at_rest() const;
@@ -122,6 +123,7 @@ class MotionFeed {
     Position end;
     Position start_velocity;
     Position end_velocity;
+    Position end_acceleration;
     AxisArray<bool> moves{};
     motion::MoveTag tag;
     double feed_limit = 0.0;

@@ -46,6 +46,7 @@ class SystemService final : public v1::System::CallbackService {
       row->set_positive_limit(from.positive_limit);
       row->set_max_velocity(from.velocity);
       row->set_max_acceleration(from.acceleration);
+      row->set_max_jerk(from.jerk);
       row->set_home_position(from.home_position);
     }
     return answer(grpc::Status::OK);

@@ -37,6 +37,7 @@ struct SystemService final : v1::System::Service {
       description.set_positive_limit(300.0 + static_cast<int>(axis));
       description.set_max_velocity(50.0);
       description.set_max_acceleration(400.0);
+      description.set_max_jerk(20'000.0);
       description.set_home_position(2.0);
     }
     return note_call(machine, "GetMachine");

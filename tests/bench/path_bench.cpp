@@ -3,6 +3,7 @@
 //   path_bench [OPTION=VALUE ...] FILE ...
 //
 //   v=100 a=500     limits of every axis, mm/s and mm/s²
+//   j=0             limit of jerk, mm/s³; 0: none
 //   feed=100        one feed for all moves, mm/s; 0: the program's own
 //   p=0.02          path tolerance (G64 P), mm; 0: exact path
 //   q=0             line simplification (G64 Q), mm
@@ -29,9 +30,9 @@ namespace {
 using namespace cnc;
 
 struct Options {
-  std::map<std::string, double, std::less<>> values{{"v", 100.0},  {"a", 500.0}, {"feed", 100.0},
-                                                    {"p", 0.02},   {"q", 0.0},   {"judge", 1.0},
-                                                    {"times", 1.0}};
+  std::map<std::string, double, std::less<>> values{
+      {"v", 100.0}, {"a", 500.0}, {"j", 0.0},     {"feed", 100.0},
+      {"p", 0.02},  {"q", 0.0},   {"judge", 1.0}, {"times", 1.0}};
   double operator[](std::string_view name) const { return values.find(name)->second; }
 };
 
@@ -86,11 +87,13 @@ void judge(const bench::PathProgram& program, const motion::AxisLimits& limits,
     judge.take(setpoint);
   });
   fmt::print(
-      "{:<28} {:>9.3f} s  v {:.5f} a {:.5f} feed {:.5f}  path to program {:.5f} mm, back "
-      "{:.5f} mm, {} setpoints\n",
-      program.name, judge.time, judge.velocity_ratio, judge.acceleration_ratio, judge.feed_ratio,
+      "{:<28} {:>9.3f} s  v {:.5f} a {:.5f} j {:.5f} feed {:.5f}  path to program {:.5f} mm, back "
+      "{:.5f} mm, {} setpoints, the shortest {:.6f} s, leap {:.5f}\n",
+      program.name, judge.time, judge.velocity_ratio, judge.acceleration_ratio, judge.jerk_ratio,
+      judge.feed_ratio,
       motion::test::largest_distance(driven, programmed),
-      motion::test::largest_distance(programmed, driven), judge.setpoints);
+      motion::test::largest_distance(programmed, driven), judge.setpoints, judge.shortest,
+      judge.leap_ratio);
 }
 
 /// Moves per second that are smoothed, without being timed: what one of two threads would do.
@@ -124,7 +127,8 @@ double smoothing_rate(const bench::PathProgram& program, const motion::AxisLimit
 
 void measure(const std::string& path, const Options& options) {
   const bench::PathProgram program = bench::read_program(path);
-  const motion::AxisLimits limits{Position::filled(options["v"]), Position::filled(options["a"])};
+  const motion::AxisLimits limits{Position::filled(options["v"]), Position::filled(options["a"]),
+                                  Position::filled(options["j"])};
   const auto rate = [&](auto draw) {
     double time = 0.0;
     motion::Planner whole({.limits = limits}, {});

@@ -104,11 +104,11 @@ void JerkDrive::step(double time) {
   }
   sample();
   const bool to_end = time >= whole;
-  plan.advance(to_end ? plan.time_in_cell() * (1.0 - 1e-9) : part);
+  plan.advance(to_end ? plan.time_in_cell() - std::min(1e-9, 0.5 * part) : part);
   sample();
   if (to_end) {
     const PathMotion before = plan.motion();
-    plan.advance(plan.time_in_cell());
+    plan.advance_to(plan.behind_cell(plan.place()));
     if (!plan.standing()) sample_leap(before);
   }
   time_ += std::min(time, whole);

@@ -114,6 +114,7 @@ TEST_CASE("Whatever the keys do, jogging keeps limits, travel and exact ends", "
     };
     AxisLimits limits = reference_limits();
     limits.max_acceleration[Axis::X] = between(10, 3000);
+    if (seed % 2 == 0) limits.max_jerk = Position::filled(std::exp(between(5.0, 13.0)));
     JogPlanner jog(limits, between(0.0005, 0.02), {});
     for (const Axis axis : kLinearAxes) jog.set_travel(axis, {-30.0, 40.0});
     Trajectory trajectory{{}, {}};
@@ -141,6 +142,7 @@ TEST_CASE("Whatever the keys do, jogging keeps limits, travel and exact ends", "
     const Usage usage = usage_of(trajectory, limits);
     CHECK(usage.velocity <= 1.0 + 1e-6);
     CHECK(usage.acceleration <= 1.0 + 1e-6);
+    CHECK(usage.jerk <= 1.0 + 1e-6);
     Extents reached{trajectory.start, trajectory.start};
     for (const Setpoint& setpoint : trajectory.setpoints) reached.include(setpoint.position);
     for (const Axis axis : kLinearAxes) {
@@ -158,6 +160,7 @@ TEST_CASE("Orders at any tick: limits and travel hold within every tick, targets
     AxisLimits limits = reference_limits();
     limits.max_acceleration[Axis::X] = dice.scale(10.0, 10'000.0);
     limits.max_velocity[Axis::X] = dice.scale(0.5, 300.0);
+    if (seed % 4 == 0) limits.max_jerk[Axis::X] = dice.scale(1000.0, 1e6);
     JogPlanner jog(limits, dice.scale(0.0005, 0.02), {});
     const TravelRange travel{-dice.scale(0.001, 100.0), dice.scale(0.001, 100.0)};
     jog.set_travel(Axis::X, travel);
@@ -173,6 +176,10 @@ TEST_CASE("Orders at any tick: limits and travel hold within every tick, targets
       // Positions have a last digit of 1e-14: 6/h² of it.
       REQUIRE(hardest <= limits.max_acceleration[Axis::X] * (1.0 + 1e-6) +
                              6e-14 / (cubic.duration * cubic.duration));
+      if (const double most = limits.max_jerk[Axis::X]; most > 0.0) {
+        REQUIRE(std::abs(cubic.jerk()) <=
+                most * (1.0 + 1e-6) + 12e-14 / std::pow(cubic.duration, 3));
+      }
       for (int part = 0; part <= 20; ++part) {
         const double x = cubic.position(cubic.duration * part / 20.0);
         REQUIRE(x >= travel.min - 1e-9);

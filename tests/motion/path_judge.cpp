@@ -139,12 +139,19 @@ void LimitJudge::take(const Setpoint& setpoint) {
         rounding * (1.0 + std::abs(cubic.p1));
     acceleration_ratio = std::max(acceleration_ratio, a / limits.max_acceleration[axis]);
     velocity_ratio = std::max(velocity_ratio, cubic.fastest() / limits.max_velocity[axis]);
+    if (limits.max_jerk[axis] > 0.0) {
+      jerk_ratio = std::max(jerk_ratio, std::abs(cubic.jerk()) / limits.max_jerk[axis]);
+    }
+    const double leap = std::abs(cubic.start_acceleration() - acceleration[axis]);
+    leap_ratio = std::max(leap_ratio, leap / limits.max_acceleration[axis]);
+    acceleration[axis] = cubic.end_acceleration();
     if (!is_rotary(axis)) speed += setpoint.velocity[axis] * setpoint.velocity[axis];
   }
   if (setpoint.feed_limit > 0.0) {
     feed_ratio = std::max(feed_ratio, std::sqrt(speed) / setpoint.feed_limit);
   }
   time += setpoint.duration;
+  shortest = std::min(shortest, setpoint.duration);
   ++setpoints;
   position = setpoint.position;
   velocity = setpoint.velocity;

@@ -13,18 +13,22 @@ namespace cnc::motion::test {
 
 namespace {
 
-PlannerSettings settings_with_history() {
+PlannerSettings settings_with_history(double jerk = 0.0) {
   PlannerSettings settings = reference_settings();
+  settings.limits.max_jerk = Position::filled(jerk);
   settings.most_taken_back = 4096;
   return settings;
 }
+
+/// Without and with limits of jerk.
+double any_jerk() { return GENERATE(0.0, 20'000.0); }
 
 /// A planner with a controller behind it: setpoints wait in a FIFO, and what has left it is done.
 struct Host {
   explicit Host(const PlannerSettings& wanted) : settings(wanted), planner(wanted, {}), path({}) {}
 
   void draw(std::size_t wanted) {
-    while (fifo.size() < wanted) {
+    while (fifo.size() < wanted && (forgets || planner.can_keep_more())) {
       const auto setpoint = planner.next();
       if (!setpoint) return;
       fifo.push_back(*setpoint);
@@ -54,6 +58,7 @@ struct Host {
   Planner planner;
   Path path;
   std::deque<Setpoint> fifo;
+  bool forgets = false;  ///< draws also when the oldest cannot be taken back any more then
   Trajectory done{{}, {}};
 };
 
@@ -67,7 +72,13 @@ void require_sound(const Host& host) {
     if (!good) break;
   }
   CHECK(usage_of(host.done, limits).acceleration <= 1.0 + 1e-3);
-  CHECK(host.path.deviation_of(host.done, 0.0005) < 2e-4);
+  CHECK(usage_of(host.done, limits).jerk <= 1.0 + 1e-3);
+  if (limits.limit_jerk()) {
+    // An exact path is passed within a micrometre; half of one for the chords between samples.
+    CHECK(host.path.distance_both_ways(host.done) < 1.5e-3);
+  } else {
+    CHECK(host.path.deviation_of(host.done, 0.0005) < 2e-4);
+  }
   CHECK(host.done.end() == host.path.end());
 }
 
@@ -98,10 +109,11 @@ bool same(const Setpoint& a, const Setpoint& b) {
 
 TEST_CASE("Setpoints taken back are drawn again as they were when nothing has changed",
           "[MOT-1][LNK-8][JOB-8]") {
+  const double jerk = any_jerk();
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
-    Host host(settings_with_history());
+    Host host(settings_with_history(jerk));
     add_moves(host, dice, 30);
     host.draw(1 + static_cast<std::size_t>(dice.pick(400)));
     const std::deque<Setpoint> before = host.fifo;
@@ -135,10 +147,11 @@ TEST_CASE("A hold after taking back brakes from the end of the last setpoint tha
 }
 
 TEST_CASE("What was taken back too late counts again when that is revoked", "[MOT-1][LNK-8]") {
+  const double jerk = any_jerk();
   for (std::uint32_t seed = 1; seed <= 20; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
-    Host host(settings_with_history());
+    Host host(settings_with_history(jerk));
     add_moves(host, dice, 30);
     host.draw(1 + static_cast<std::size_t>(dice.pick(400)));
     const std::deque<Setpoint> before = host.fifo;
@@ -158,10 +171,11 @@ TEST_CASE("What was taken back too late counts again when that is revoked", "[MO
 TEST_CASE(
     "Hold, resume and overrides at any instant, from any setpoint that waits, stay on the path",
     "[MOT-1][LNK-8][JOB-8][MAN-8]") {
+  const double jerk = any_jerk();
   for (std::uint32_t seed = 1; seed <= 30; ++seed) {
     CAPTURE(seed);
     Dice dice(seed);
-    PlannerSettings settings = settings_with_history();
+    PlannerSettings settings = settings_with_history(jerk);
     if (dice.chance(0.5)) settings.limits.max_acceleration[Axis::Y] = dice.scale(50.0, 5000.0);
     Host host(settings);
     for (int round = 0; round < 20; ++round) {
@@ -190,13 +204,14 @@ TEST_CASE(
 }
 
 TEST_CASE("Only what is known can be taken back, and only once at a time", "[MOT-1][LNK-8]") {
+  const double jerk = any_jerk();
   Planner without(reference_settings(), {});
   REQUIRE(without.add_line(xyz(10, 0), feed_of(10)).has_value());
   REQUIRE(without.next().has_value());
   CHECK(without.known() == 0);
   CHECK_FALSE(without.take_back(1));
 
-  Host host(settings_with_history());
+  Host host(settings_with_history(jerk));
   add_line(host.planner, host.path, xyz(10, 0), feed_of(10));
   host.draw(20);
   CHECK(host.planner.known() == 20);
@@ -213,11 +228,15 @@ TEST_CASE("Only what is known can be taken back, and only once at a time", "[MOT
 
 TEST_CASE("More setpoints than are kept forget the oldest, and the way ahead keeps its room",
           "[MOT-1][LNK-8]") {
-  PlannerSettings settings = settings_with_history();
+  const double jerk = any_jerk();
+  PlannerSettings settings = settings_with_history(jerk);
   settings.most_taken_back = 64;
   Host host(settings);
+  host.forgets = true;
   for (int i = 1; i <= 10'000; ++i) {
-    add_line(host.planner, host.path, xyz(0.01 * i, 0.005 * std::sin(0.02 * i)), feed_of(50));
+    // A limit of jerk makes shorter steps of the path.
+    const double x = (jerk > 0.0 ? 0.03 : 0.01) * i;
+    add_line(host.planner, host.path, xyz(x, 0.005 * std::sin(0.02 * i)), feed_of(50));
     while (host.planner.full()) host.draw(host.fifo.size() + 1);
   }
   CHECK(host.planner.known() == 64);
@@ -233,7 +252,8 @@ TEST_CASE("More setpoints than are kept forget the oldest, and the way ahead kee
 }
 
 TEST_CASE("Taking back, confirming and revoking allocate nothing", "[MOT-1][LNK-8]") {
-  Host host(settings_with_history());
+  const double jerk = any_jerk();
+  Host host(settings_with_history(jerk));
   for (int i = 1; i <= 400; ++i)
     add_line(host.planner, host.path, xyz(0.1 * i, 0.05 * std::sin(0.01 * i)), feed_of(80));
   const std::size_t before = cnc::test::allocations();

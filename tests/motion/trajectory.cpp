@@ -4,6 +4,8 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "tests/motion/path_judge.h"
+
 namespace cnc::motion::test {
 
 Position xyz(double x, double y, double z) {
@@ -85,6 +87,9 @@ Usage usage_of(const Trajectory& trajectory, const AxisLimits& limits) {
   for_each_cubic(trajectory, [&](Axis axis, const AxisCubic& cubic) {
     const double acceleration =
         std::max(std::abs(cubic.start_acceleration()), std::abs(cubic.end_acceleration()));
+    if (limits.max_jerk[axis] > 0.0) {
+      usage.jerk = std::max(usage.jerk, std::abs(cubic.jerk()) / limits.max_jerk[axis]);
+    }
     usage.velocity = std::max(usage.velocity, cubic.fastest() / limits.max_velocity[axis]);
     usage.acceleration = std::max(usage.acceleration, acceleration / limits.max_acceleration[axis]);
   });
@@ -141,6 +146,40 @@ double Path::deviation_of(const Trajectory& trajectory, double step) const {
     velocity = setpoint.velocity;
   }
   return worst;
+}
+
+double Path::distance_both_ways(const Trajectory& trajectory) const {
+  constexpr double kCell = 0.5;
+  Polyline programmed(kCell);
+  programmed.add(point_of(trajectory.start));
+  for (const Curve& curve : curves_) {
+    // Chords that leave the curve by 0.05 µm: R φ²/8.
+    const auto* arc = std::get_if<Arc>(&curve);
+    const double radius = arc ? std::max(arc->radius(0.0), arc->radius(arc->length())) : 0.0;
+    const int chords =
+        arc ? 1 + static_cast<int>(std::abs(arc->sweep()) * std::sqrt(radius / 4e-4)) : 1;
+    for (int i = 1; i <= chords; ++i) {
+      programmed.add(point_of(motion::point_of(curve, length_of(curve) * i / chords)));
+    }
+  }
+  Polyline driven(kCell);
+  driven.add(point_of(trajectory.start));
+  Position position = trajectory.start;
+  Position velocity;
+  for (const Setpoint& setpoint : trajectory.setpoints) {
+    constexpr int kSamples = 4;
+    for (int i = 1; i <= kSamples; ++i) {
+      Position p;
+      for (const Axis axis : kLinearAxes) {
+        p[axis] =
+            cubic_of(axis, position, velocity, setpoint).position(setpoint.duration * i / kSamples);
+      }
+      driven.add(point_of(p));
+    }
+    position = setpoint.position;
+    velocity = setpoint.velocity;
+  }
+  return std::max(largest_distance(driven, programmed), largest_distance(programmed, driven));
 }
 
 void add_line(Planner& planner, Path& path, const Position& end, const MoveOptions& options) {

@@ -34,6 +34,7 @@ struct Trajectory {
 struct Usage {
   double velocity = 0.0;
   double acceleration = 0.0;
+  double jerk = 0.0;  ///< of axes that have a limit
 };
 [[nodiscard]] Usage usage_of(const Trajectory& trajectory, const AxisLimits& limits);
 
@@ -50,6 +51,9 @@ class Path {
   /// seconds, from the path. Follows the path forward, so that crossing it elsewhere does not
   /// count.
   [[nodiscard]] double deviation_of(const Trajectory& trajectory, double step) const;
+  /// The same in X Y Z and anywhere on the path, and back from the path to the trajectory: for
+  /// motion that does not follow the path exactly.
+  [[nodiscard]] double distance_both_ways(const Trajectory& trajectory) const;
 
  private:
   Position end_;
