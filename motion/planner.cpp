@@ -37,7 +37,8 @@ struct Mark {
 
 /// Setpoints that were taken back without it being known yet whether they are executed after all.
 struct TakenBack {
-  Mark before;  ///< where the machine was
+  Mark before;              ///< where the machine was
+  std::uint64_t first = 0;  ///< index of their marks
   Ring<Mark> marks;
 };
 
@@ -140,9 +141,8 @@ struct Planner::Impl {
   }
   /// Whether another setpoint can be drawn without one before it being forgotten for want of room.
   [[nodiscard]] bool can_keep_more() const {
-    const Ring<Mark>& oldest = unconfirmed && !taken_back.marks.empty() ? taken_back.marks : marks;
-    if (oldest.empty()) return true;
-    return marks.size() < settings.most_taken_back && profile->can_keep_more(oldest.front().place);
+    if (marks.empty()) return true;
+    return marks.size() < settings.most_taken_back && profile->can_keep_more(marks.front().place);
   }
   /// Until it is known which setpoints are executed, both ways on must stay possible.
   [[nodiscard]] bool may_draw_unconfirmed() const {
@@ -150,8 +150,20 @@ struct Planner::Impl {
   }
   void forget_path() {
     // Those that were taken back may count again.
-    if (unconfirmed && !taken_back.marks.empty()) return;
-    profile->forget_before(marks.empty() ? profile->place() : marks.front().place);
+    const bool may_return = unconfirmed && !taken_back.marks.empty();
+    const Mark* oldest = !marks.empty() ? &marks.front() : nullptr;
+    if (may_return && (oldest == nullptr || marks.first() >= taken_back.first)) {
+      oldest = &taken_back.marks.front();
+    }
+    profile->forget_before(oldest != nullptr ? oldest->place : profile->place());
+  }
+  /// Leaves the marks before index `end`.
+  void cut_marks(std::uint64_t end) {
+    while (marks.end() > end && !marks.empty()) marks.pop_back();
+  }
+  void go_back(const Mark& mark) {
+    profile->go_back(mark.place);
+    position = mark.position;
   }
   void forget_marks() {
     marks.clear();
@@ -251,28 +263,27 @@ bool Planner::take_back(std::size_t count) {
   Profile& profile = *impl_->profile;
   TakenBack& taken = impl_->taken_back;
   taken.before = {profile.place(), impl_->position};
-  std::swap(marks, taken.marks);
-  marks.clear();
+  taken.first = marks.end() - count;
+  taken.marks.clear();
+  for (std::uint64_t i = taken.first; i != marks.end(); ++i) taken.marks.push_back(marks[i]);
   impl_->unconfirmed = true;
+  impl_->cut_marks(taken.first);
   profile.save();
-  if (count == 0) return true;
-  const Mark& mark = taken.marks[taken.marks.end() - count];
-  profile.go_back(mark.place);
-  impl_->position = mark.position;
+  if (count > 0) impl_->go_back(taken.marks.front());
   return true;
 }
 
-void Planner::confirm_take_back() {
-  impl_->unconfirmed = false;
-  impl_->taken_back.marks.clear();
-}
+void Planner::confirm_take_back() { impl_->unconfirmed = false; }
 
 void Planner::revoke_take_back() {
   if (!impl_->unconfirmed) return;
   impl_->unconfirmed = false;
-  std::swap(impl_->marks, impl_->taken_back.marks);
-  impl_->profile->revert(impl_->taken_back.before.place);
-  impl_->position = impl_->taken_back.before.position;
+  TakenBack& taken = impl_->taken_back;
+  impl_->cut_marks(taken.first);
+  for (std::uint64_t i = taken.marks.first(); i != taken.marks.end(); ++i)
+    impl_->marks.push_back(taken.marks[i]);
+  impl_->profile->revert(taken.before.place);
+  impl_->position = taken.before.position;
 }
 
 void Planner::set_overrides(double feed, double rapid) {
