@@ -204,7 +204,8 @@ TEST_CASE("An override that changes at any instant keeps the limits and arrives 
         drive.feed();
         if (!drive.plan.standing()) drive.step(0.004);
       }
-      drive.plan.set_overrides({std::exp(std::uniform_real_distribution<double>(-3.0, 0.7)(random)), 1.0});
+      drive.plan.set_overrides(
+          {std::exp(std::uniform_real_distribution<double>(-3.0, 0.7)(random)), 1.0});
     }
     drive.plan.set_overrides({1.0, 1.0});
     drive.run();

@@ -67,7 +67,7 @@ struct LimitJudge {
   double jerk_ratio = 0.0;  ///< where jerk is limited
   double leap_ratio = 0.0;  ///< of acceleration from one setpoint to the next, of its limit
   double feed_ratio = 0.0;
-  double shortest = 1.0;  ///< setpoint, s
+  double shortest = 1.0;    ///< setpoint, s
   Position acceleration{};  ///< at the end of the last setpoint
 
   void take(const Setpoint& setpoint);
