@@ -23,6 +23,13 @@ constexpr double kPartOfAccelerating = 0.005;
 
 constexpr double kShortestCell = 1e-9;
 
+/// The distance of a stop is longer by the way in this time, s: a plan is then made so long before
+/// it is needed that it does not matter where exactly the motion is, within a setpoint.
+constexpr double kMargin = 0.01;
+
+/// Part of an interval that is rounding.
+constexpr double kRounding = 1e-14;
+
 double speed_on(const SpeedCell& cell) { return std::sqrt(std::min(cell.feed_x, cell.machine_x)); }
 
 /// Time in which acceleration builds up, on the way to full speed.
@@ -93,11 +100,19 @@ void CellCutter::end_after(double length) {
 PathPlace CellCutter::behind(PathPlace place, double length) const {
   place.start += length;
   while (place.interval + 1 < intervals_.end() &&
-         place.start >= intervals_[place.interval].length - kShortestCell) {
+         place.start >= intervals_[place.interval].length * (1.0 - kRounding)) {
     place.start = std::max(0.0, place.start - intervals_[place.interval].length);
     ++place.interval;
   }
   return place;
+}
+
+PathPlace CellCutter::end_behind(const PathPlace& place, double length) const {
+  PathPlace end = behind(place, length);
+  const double whole = intervals_[end.interval].length;
+  if (end.start < kShortestCell) end.start = 0.0;
+  if (end.start > whole - kShortestCell) end.start = whole;
+  return behind(end, 0.0);
 }
 
 void CellCutter::move_on(double length) {
@@ -183,7 +198,7 @@ Stopping CellCutter::stopping_on(const PathInterval& interval) const {
   const double v = speed_on(cell);
   const double a = cell.reach.a_first;
   const double jerking = jerking_time(cell);
-  return {v * v / (2.0 * a) + v * jerking, v / a + 2.0 * jerking};
+  return {v * v / (2.0 * a) + v * (jerking + kMargin), v / a + 2.0 * jerking};
 }
 
 }  // namespace cnc::motion

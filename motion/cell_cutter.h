@@ -45,6 +45,8 @@ class CellCutter {
   /// The stop at which the cells will end is known.
   [[nodiscard]] bool end_is_known() const { return at_.end_is_known; }
   [[nodiscard]] PathPlace behind(PathPlace place, double length) const;
+  /// The same, exactly at the end of an interval if it is as near as rounding makes it.
+  [[nodiscard]] PathPlace end_behind(const PathPlace& place, double length) const;
 
   /// Goes on from an earlier or later place; the next cell is at most `growth` times `previous`
   /// long.

@@ -28,7 +28,7 @@ namespace cnc::motion {
 /// Ordered along the motion.
 struct MotionPlace {
   enum class Phase : std::uint8_t { starting, driving, stopping, standing };
-  std::uint64_t run = 0;     ///< standing: the one that has ended
+  std::uint64_t run = 0;  ///< standing: the one that has ended
   Phase phase = Phase::standing;
   std::uint64_t cell = 0;
   double time = 0.0;  ///< since the phase or the cell began

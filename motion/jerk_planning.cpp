@@ -1,8 +1,6 @@
 // How a JerkPlan goes on: a guess for the longer path, rounds, and what becomes of the result.
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
-#include <cstdlib>
 #include <limits>
 
 #include "motion/jerk_plan.h"
@@ -54,12 +52,6 @@ bool JerkPlan::plan() {
     return true;
   }
   const bool done = held_ ? plan_hold() : plan_run();
-  if (getenv("JD"))
-    fprintf(stderr,
-            "plan run %lu phase %d cell %lu t %.5f done %d rounds %d new %d end cell %lu left %.4f "
-            "known %d la %.3f\n",
-            place_.run, int(place_.phase), place_.cell, place_.time, done, rounds_, new_cells_,
-            run().stop.cell, cutter_.left(), cutter_.end_is_known(), look_ahead_);
   if (done) changed_ = false;
   retry_at_cell_ = done ? 0 : place_.cell + kCellsBeforeRetry;
   return done;
@@ -273,7 +265,7 @@ void JerkPlan::put_in_force(const Stop& stop) {
 void JerkPlan::end_run_at(const Stop& stop) {
   Run& last = run();
   last.stop = stop;
-  last.end = cutter_.behind(stop.place, stop.length);
+  last.end = cutter_.end_behind(stop.place, stop.length);
   last.stop_speed = std::sqrt(x_in_force(stop.cell - 1, last)[2]);
   if (window_.begin_cell == last.begin)
     last.start_speed = std::sqrt(x_in_force(last.begin, last)[0]);

@@ -37,9 +37,6 @@ constexpr double kLeap = 0.02;
 /// Setpoints are never shorter, s.
 constexpr double kSliver = 2e-5;
 
-/// Places this close are the same, mm.
-constexpr double kSamePlace = 1e-9;
-
 /// An axis without a limit of jerk in a machine with such limits reaches its acceleration in a
 /// millisecond.
 constexpr double kShortestJerking = 1e-3;
@@ -135,10 +132,7 @@ const Piece& JerkProfile::piece_of(std::uint64_t interval) const {
 
 double JerkProfile::place_on_curve(const PathPlace& place) const {
   const Part& part = parts_[place.interval];
-  if (place.start < kSamePlace) return part.begin;
-  const double end = pieces_[part.piece].end;
-  const double s = part.begin + place.start;
-  return s > end - kSamePlace ? end : s;
+  return std::min(part.begin + place.start, pieces_[part.piece].end);
 }
 
 Position JerkProfile::position_at(const PathPlace& place) const {

@@ -57,12 +57,15 @@ struct Planner::Impl {
     taken_back.marks.reserve(marks.free());
   }
 
-  /// Moves waiting curves through the smoother onto the track, as far as planning looks ahead.
-  void feed_track() {
+  /// Moves waiting curves through the smoother to the profile, as far as planning looks ahead.
+  /// Whether there were any.
+  bool feed_profile() {
+    bool appended = false;
     while (profile->extend() && !profile->well_stocked()) {
       if (smoother.ready()) {
         profile->append(smoother.front());
         smoother.pop();
+        appended = true;
       } else if (!waiting.empty()) {
         simplify(waiting.front());
         waiting.pop_front();
@@ -71,6 +74,7 @@ struct Planner::Impl {
       }
     }
     profile->plan();
+    return appended;
   }
 
   void simplify(const Piece& piece) {
@@ -82,13 +86,20 @@ struct Planner::Impl {
   [[nodiscard]] bool full() const { return waiting.size() >= kBatch && profile->sufficient(); }
 
   /// A supply that has ended before there is enough closes what is still open.
-  void take_in(Supply supply) {
+  bool take_in(Supply supply) {
     const bool dry = supply == Supply::ended && !full();
-    if (!profile->sufficient()) feed_track();
-    if (!dry || profile->sufficient()) return;
+    bool appended = !profile->sufficient() && feed_profile();
+    if (!dry || profile->sufficient()) return appended;
     if (auto line = simplifier.take()) smoother.add(*line);
     smoother.finish();
-    feed_track();
+    return feed_profile() || appended;
+  }
+
+  /// Plans as far as what is known allows, so that the plan does not depend on how it is sampled.
+  void prepare(Supply supply, bool to_be_held) {
+    do {
+      profile->prepare(to_be_held);
+    } while (!profile->sufficient() && take_in(supply));
   }
 
   Result<void> add(const Curve& curve, const Extents& extents, const Position& end,
@@ -113,7 +124,7 @@ struct Planner::Impl {
     waiting.reserve(waiting.size() + 1);
     waiting.push_back(std::move(piece));
     queue_end = end;
-    if (!unconfirmed && waiting.size() >= kBatch) feed_track();
+    if (!unconfirmed && waiting.size() >= kBatch) (void)feed_profile();
     return {};
   }
 
@@ -220,11 +231,13 @@ bool Planner::idle() const {
 std::optional<Setpoint> Planner::next(Supply supply) {
   Profile& profile = *impl_->profile;
   if (!impl_->unconfirmed) {
-    impl_->take_in(supply);
-  } else if (!impl_->may_draw_unconfirmed()) {
+    (void)impl_->take_in(supply);
+    impl_->prepare(supply, impl_->held);
+  } else if (impl_->may_draw_unconfirmed()) {
+    profile.prepare(impl_->held);
+  } else {
     return std::nullopt;
   }
-  profile.prepare(impl_->held);
   const Mark mark{profile.place(), impl_->position};
   auto setpoint = profile.next(impl_->held);
   if (!setpoint) return std::nullopt;
@@ -235,10 +248,10 @@ std::optional<Setpoint> Planner::next(Supply supply) {
 
 std::optional<Stretch> Planner::skip(Supply supply) {
   impl_->forget_marks();
-  impl_->take_in(supply);
+  (void)impl_->take_in(supply);
   Profile& profile = *impl_->profile;
   if (impl_->held || profile.empty()) return std::nullopt;
-  profile.prepare(false);
+  impl_->prepare(supply, false);
   const Stretch stretch = profile.skip();
   impl_->position = profile.position();
   impl_->forget_path();

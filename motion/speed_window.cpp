@@ -22,6 +22,10 @@ constexpr double kFirstLeast = 0.05;
 constexpr double kLeastLeast = 0.001;
 constexpr double kLeastDecay = 0.7;
 
+/// The barriers weigh as much as the time of their cell, but no less than this, s: limits of a tiny
+/// cell are not to be broken because that costs little.
+constexpr double kLeastTime = 5e-4;
+
 /// Weight of the limits of speed beside those of acceleration and jerk: they are simple enough to
 /// be approached closely at once.
 constexpr double kSpeedShare = 0.1;
@@ -118,7 +122,8 @@ std::array<double, 3> SpeedWindow::most_x(std::uint64_t index) const {
 SpeedWindow::Goal SpeedWindow::goal_of(std::uint64_t index) const {
   const PlannedCell& planned = cells[index];
   const double root = std::sqrt(planned.x);
-  const double time = planned.cell.length / root;
+  const double time =
+      std::max(planned.cell.length / root, kLeastTime * planned.weight / kFirstWeight);
   Goal goal{};
   goal.defence = {planned.weight * time, planned.least, root};
   goal.wanted_x = planned.wanted_x;

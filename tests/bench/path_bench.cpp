@@ -30,9 +30,9 @@ namespace {
 using namespace cnc;
 
 struct Options {
-  std::map<std::string, double, std::less<>> values{
-      {"v", 100.0}, {"a", 500.0}, {"j", 0.0},     {"feed", 100.0},
-      {"p", 0.02},  {"q", 0.0},   {"judge", 1.0}, {"times", 1.0}};
+  std::map<std::string, double, std::less<>> values{{"v", 100.0},    {"a", 500.0},  {"j", 0.0},
+                                                    {"feed", 100.0}, {"p", 0.02},   {"q", 0.0},
+                                                    {"judge", 1.0},  {"times", 1.0}};
   double operator[](std::string_view name) const { return values.find(name)->second; }
 };
 
@@ -90,8 +90,7 @@ void judge(const bench::PathProgram& program, const motion::AxisLimits& limits,
       "{:<28} {:>9.3f} s  v {:.5f} a {:.5f} j {:.5f} feed {:.5f}  path to program {:.5f} mm, back "
       "{:.5f} mm, {} setpoints, the shortest {:.6f} s, leap {:.5f}\n",
       program.name, judge.time, judge.velocity_ratio, judge.acceleration_ratio, judge.jerk_ratio,
-      judge.feed_ratio,
-      motion::test::largest_distance(driven, programmed),
+      judge.feed_ratio, motion::test::largest_distance(driven, programmed),
       motion::test::largest_distance(programmed, driven), judge.setpoints, judge.shortest,
       judge.leap_ratio);
 }
