@@ -52,6 +52,7 @@ class Ring {
   /// The same elements with the same indices; allocates only if it has less room.
   void copy(const Ring& other) {
     slots_.resize(std::max(slots_.size(), other.slots_.size()));
+    mask_ = slots_.size() - 1;
     first_ = other.first_;
     end_ = other.end_;
     for (std::uint64_t i = first_; i != end_; ++i) (*this)[i] = other[i];
