@@ -23,10 +23,6 @@ constexpr std::uint64_t kMostRunsBehind = 256;
 constexpr std::uint64_t kMostIntervalsBehind = 4096;
 constexpr std::uint64_t kMostCellsOfSetpoint = 256;
 
-/// Turning of an arc in one interval, radians: q'' changes linearly there instead of along a
-/// circle, and is 1e-4 of itself too small in the middle.
-constexpr double kArcStep = 0.03;
-
 /// Largest distance of a setpoint's cubic from the planned motion, mm: far below any step.
 constexpr double kPathTolerance = 1e-5;
 
@@ -37,9 +33,10 @@ constexpr double kLeap = 0.02;
 /// Setpoints are never shorter, s.
 constexpr double kSliver = 2e-5;
 
-/// An axis without a limit of jerk in a machine with such limits reaches its acceleration in a
-/// millisecond.
+/// Of an axis without a limit of jerk, s.
 constexpr double kShortestJerking = 1e-3;
+
+}  // namespace
 
 JerkLimits jerk_limits(const AxisLimits& limits) {
   JerkLimits result{limits.max_velocity, limits.max_acceleration, limits.max_jerk};
@@ -51,7 +48,19 @@ JerkLimits jerk_limits(const AxisLimits& limits) {
   return result;
 }
 
-}  // namespace
+PathInterval interval_of(const Piece& piece, double begin, double length) {
+  PathInterval interval;
+  interval.length = length;
+  interval.first = tangent_of(piece.curve, begin);
+  interval.second = bend_of(piece.curve, begin);
+  if (!is_straight(piece.curve)) {
+    const Position end = bend_of(piece.curve, begin + length);
+    interval.third = (end - interval.second) * (1.0 / length);
+  }
+  interval.feed = piece.kind == MoveKind::rapid ? kInfinity : piece.feed;
+  interval.override = piece.override_kind();
+  return interval;
+}
 
 JerkProfile::JerkProfile(const AxisLimits& limits, double max_duration, bool goes_back)
     : limits_(limits),
@@ -85,26 +94,12 @@ bool JerkProfile::extend() {
     if (!plan_.has_room() || (goes_on && !plan_.wants_path())) return false;
     const double left = last.end - last.stepped;
     const double length = left < 1.5 * last.grid ? left : last.grid;
-    push_interval(last, length);
+    plan_.append(interval_of(last, last.stepped, length));
+    parts_.push_back({pieces_.end() - 1, last.stepped});
     last.stepped = length == left ? last.end : last.stepped + length;
   }
   if (last.stop_at_end || last.entry == Entry::vertex) plan_.stop_at_end();
   return plan_.has_room();
-}
-
-void JerkProfile::push_interval(const Piece& piece, double length) {
-  PathInterval interval;
-  interval.length = length;
-  interval.first = tangent_of(piece.curve, piece.stepped);
-  interval.second = bend_of(piece.curve, piece.stepped);
-  if (!is_straight(piece.curve)) {
-    const Position end = bend_of(piece.curve, piece.stepped + length);
-    interval.third = (end - interval.second) * (1.0 / length);
-  }
-  interval.feed = piece.kind == MoveKind::rapid ? kInfinity : piece.feed;
-  interval.override = piece.override_kind();
-  plan_.append(interval);
-  parts_.push_back({pieces_.end() - 1, piece.stepped});
 }
 
 void JerkProfile::stop_at_end() {

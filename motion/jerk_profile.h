@@ -11,6 +11,18 @@
 
 namespace cnc::motion {
 
+/// The stretch [begin, begin + length] of a piece as the third-order plan sees it; of an arc no
+/// more than kArcStep.
+[[nodiscard]] PathInterval interval_of(const Piece& piece, double begin, double length);
+
+/// Turning of an arc in one interval, radians: q'' changes linearly there instead of along a
+/// circle, and is 1e-4 of itself too small in the middle.
+inline constexpr double kArcStep = 0.03;
+
+/// What a plan may use of the axes. An axis without a limit of jerk in a machine with such limits
+/// reaches its acceleration in a millisecond.
+[[nodiscard]] JerkLimits jerk_limits(const AxisLimits& limits);
+
 class JerkProfile final : public Profile {
  public:
   JerkProfile(const AxisLimits& limits, double max_duration, bool goes_back);
@@ -48,7 +60,6 @@ class JerkProfile final : public Profile {
     double begin = 0.0;  ///< on the piece's curve
   };
 
-  void push_interval(const Piece& piece, double length);
   void obey(bool held);
   [[nodiscard]] std::uint64_t cells_since(const MotionPlace& place) const;
   [[nodiscard]] const Piece& piece_of(std::uint64_t interval) const;

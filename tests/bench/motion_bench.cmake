@@ -7,6 +7,7 @@ target_compile_options(cnc_path_program PRIVATE ${CNC_WARNINGS})
 
 cnc_bench(motion_bench SOURCES motion_bench.cpp ../motion/time_bound.cpp LINKS cnc_path_program)
 cnc_bench(path_bench SOURCES path_bench.cpp ../motion/path_judge.cpp LINKS cnc_path_program)
+cnc_bench(jerk_bench SOURCES jerk_bench.cpp LINKS cnc_path_program)
 cnc_bench(motion_soak
   SOURCES motion_soak.cpp ../motion/path_judge.cpp ../motion/program_judge.cpp ../motion/program_text.cpp ../motion/random_program.cpp
   LINKS cnc_motion)
