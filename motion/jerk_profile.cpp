@@ -28,7 +28,10 @@ constexpr double kPathTolerance = 1e-5;
 
 /// Acceleration of a cubic at its ends beside that of the planned motion: so much of the change
 /// that the jerk allows while it lasts. It leaps by that from one setpoint to the next.
-constexpr double kLeap = 0.02;
+constexpr double kLeap = 0.01;
+
+/// Share of the jerk that the plan uses; these leaps may take the rest.
+constexpr double kShareOfJerk = 1.0 - kLeap;
 
 /// Setpoints are never shorter, s.
 constexpr double kSliver = 2e-5;
@@ -44,6 +47,7 @@ JerkLimits jerk_limits(const AxisLimits& limits) {
     if (!(result.jerk[axis] > 0.0)) {
       result.jerk[axis] = limits.max_acceleration[axis] / kShortestJerking;
     }
+    result.jerk[axis] *= kShareOfJerk;
   }
   return result;
 }
