@@ -1,13 +1,13 @@
 // From moves to setpoints: look-ahead, velocity profile and sampling.
 //
 // The planner takes moves in machine coordinates, keeps them as exact curves, plans the fastest
-// speed along them that keeps every axis within its velocity and acceleration limits, and hands out
-// setpoints one after the other. It has no thread, no clock and no I/O: the caller adds moves until
-// full(), then draws setpoints; whatever is queued is always planned to a standstill at its end, so
-// running dry is a stop, never a fault.
+// speed along them that keeps every axis within its limits of velocity, acceleration and, where
+// set, jerk, and hands out setpoints one after the other. It has no thread, no clock and no I/O:
+// the caller adds moves until full(), then draws setpoints; whatever is queued is always planned to
+// a standstill at its end, so running dry is a stop, never a fault.
 //
-// Inside: moves wait in line, become curves of a Track (track.h) as far ahead as planning needs
-// them, and a Sampler (sampler.h) walks along it.
+// Inside: moves wait in line, are simplified and smoothed (docs/path.md), and become pieces of a
+// Profile (profile.h) as far ahead as planning needs them.
 //
 // Units: mm, s, degrees for rotary axes. Not thread-safe. Memory is reused: next() allocates only
 // when a smoothed run, or a batch of moves, is longer than any before it.
@@ -88,7 +88,8 @@ class Planner {
 
   /// Operator's overrides as factors; they act from the next setpoint on. Feed 0 … 3, 0 stops along
   /// the path like hold(); rapid 0 … 1. Values outside are brought inside. A change costs one pass
-  /// over the planned steps, half a millisecond at most.
+  /// over the planned steps, half a millisecond at most; with limits of jerk a new plan with the
+  /// next setpoint, some milliseconds.
   void set_overrides(double feed, double rapid);
   /// Brakes along the path as hard as the limits allow; next() ends when standing still.
   void hold();
@@ -129,8 +130,8 @@ class Planner {
   [[nodiscard]] const Position& position() const;
   /// Seconds of motion still queued, without the moves of a smoothed run that is still open, at the
   /// present overrides (for progress and prediction). Exact for what is planned, an upper bound for
-  /// moves that still wait; infinite when an override of 0 bars the way. Walks over the whole
-  /// queue: for a display's rate, not for every setpoint.
+  /// moves that still wait (with limits of jerk an estimate); infinite when an override of 0 bars
+  /// the way. Walks over the whole queue: for a display's rate, not for every setpoint.
   [[nodiscard]] double queued_time() const;
 
   /// Standing still only: the machine was moved by other means (homing, jog, hand). Refused while
