@@ -24,10 +24,11 @@ void AccelerationProfile::set_overrides(const Overrides& overrides) {
 
 std::optional<Setpoint> AccelerationProfile::next(bool held) { return sampler_.next(track_, held); }
 
-Stretch AccelerationProfile::skip() {
-  if (track_.empty()) return {};
+std::optional<Stretch> AccelerationProfile::skip() {
+  if (track_.empty()) return std::nullopt;
   const MoveTag tag = track_.piece_at(track_.place()).tag;
-  return {track_.skip(), tag};
+  const double duration = track_.skip();
+  return duration > 0.0 ? std::optional(Stretch{duration, tag}) : std::nullopt;
 }
 
 double AccelerationProfile::time_to_end() const {

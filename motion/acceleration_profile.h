@@ -23,7 +23,7 @@ class AccelerationProfile final : public Profile {
   [[nodiscard]] bool standing() const override { return track_.place().speed == 0.0; }
   void prepare(bool /*held*/) override {}
   [[nodiscard]] std::optional<Setpoint> next(bool held) override;
-  [[nodiscard]] Stretch skip() override;
+  [[nodiscard]] std::optional<Stretch> skip() override;
   [[nodiscard]] Position position() const override { return track_.position_at(track_.place()); }
   [[nodiscard]] double time_to_end() const override;
 

@@ -294,8 +294,8 @@ bool JerkProfile::follows(const Setpoint& setpoint) const {
   return true;
 }
 
-Stretch JerkProfile::skip() {
-  if (plan_.standing()) return {};
+std::optional<Stretch> JerkProfile::skip() {
+  if (plan_.standing()) return std::nullopt;
   const PathPlace begin = plan_.motion().place;
   const std::uint64_t piece = parts_[begin.interval].piece;
   Stretch stretch{0.0, pieces_[piece].tag};

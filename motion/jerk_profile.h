@@ -40,7 +40,7 @@ class JerkProfile final : public Profile {
   [[nodiscard]] bool standing() const override { return plan_.standing(); }
   void prepare(bool held) override;
   [[nodiscard]] std::optional<Setpoint> next(bool held) override;
-  [[nodiscard]] Stretch skip() override;
+  [[nodiscard]] std::optional<Stretch> skip() override;
   [[nodiscard]] Position position() const override { return position_at(plan_.motion().place); }
   [[nodiscard]] double time_to_end() const override;
 

@@ -45,12 +45,11 @@ struct TakenBack {
 }  // namespace
 
 struct Planner::Impl {
-  Impl(const PlannerSettings& wanted, const Position& start)
+  Impl(const PlannerSettings& wanted, const Position& start, std::unique_ptr<Profile> driven)
       : settings(wanted),
         smoother(wanted.limits, wanted.tolerance_use,
                  wanted.limits.limit_jerk() ? kExactPath : 0.0),
-        profile(make_profile(wanted.limits, std::clamp(wanted.max_setpoint_duration, 0.0005, 0.1),
-                             wanted.most_taken_back > 0)),
+        profile(std::move(driven)),
         position(start),
         queue_end(start),
         marks(std::max<std::size_t>(wanted.most_taken_back, 1)) {
@@ -196,7 +195,10 @@ struct Planner::Impl {
 };
 
 Planner::Planner(const PlannerSettings& settings, const Position& start)
-    : impl_(std::make_unique<Impl>(settings, start)) {}
+    : Planner(settings, start, make_profile(settings)) {}
+Planner::Planner(const PlannerSettings& settings, const Position& start,
+                 std::unique_ptr<Profile> profile)
+    : impl_(std::make_unique<Impl>(settings, start, std::move(profile))) {}
 Planner::~Planner() = default;
 Planner::Planner(Planner&&) noexcept = default;
 Planner& Planner::operator=(Planner&&) noexcept = default;
@@ -252,10 +254,10 @@ std::optional<Stretch> Planner::skip(Supply supply) {
   Profile& profile = *impl_->profile;
   if (impl_->held || profile.empty()) return std::nullopt;
   impl_->prepare(supply, false);
-  const Stretch stretch = profile.skip();
+  const auto stretch = profile.skip();
   impl_->position = profile.position();
   impl_->forget_path();
-  return stretch.duration > 0.0 ? std::optional(stretch) : std::nullopt;
+  return stretch;
 }
 
 bool Planner::keeps_setpoints() const { return impl_->settings.most_taken_back > 0; }

@@ -26,6 +26,8 @@
 
 namespace cnc::motion {
 
+class Profile;
+
 struct PlannerSettings {
   AxisLimits limits;
   double max_setpoint_duration = 0.005;  ///< InterpolationTime, s; 0.0005 … 0.1
@@ -60,6 +62,8 @@ enum class Supply : std::uint8_t {
 class Planner {
  public:
   Planner(const PlannerSettings& settings, const Position& start);
+  /// With another profile than the one that `settings` ask for: whatever takes the path.
+  Planner(const PlannerSettings& settings, const Position& start, std::unique_ptr<Profile> profile);
   ~Planner();
   Planner(Planner&&) noexcept;
   Planner& operator=(Planner&&) noexcept;

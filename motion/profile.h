@@ -53,9 +53,9 @@ class Profile {
   /// The next piece of motion, braking along the path to a standstill if `held`; nothing when it
   /// stands and is to stay so, or has nothing to drive.
   [[nodiscard]] virtual std::optional<Setpoint> next(bool held) = 0;
-  /// Moves on within the present move, for predictions: the seconds that takes; 0 when it stands.
-  /// After prepare(false).
-  [[nodiscard]] virtual Stretch skip() = 0;
+  /// Moves on within the present move, for predictions; nothing when it stands. After
+  /// prepare(false).
+  [[nodiscard]] virtual std::optional<Stretch> skip() = 0;
   [[nodiscard]] virtual Position position() const = 0;
   /// Seconds to the end of what has been appended: exact as far as it is planned.
   [[nodiscard]] virtual double time_to_end() const = 0;
@@ -76,8 +76,9 @@ class Profile {
   virtual void revert(const ProfilePlace& place) = 0;
 };
 
+struct PlannerSettings;
+
 /// The kind that the limits ask for.
-[[nodiscard]] std::unique_ptr<Profile> make_profile(const AxisLimits& limits, double max_duration,
-                                                    bool goes_back);
+[[nodiscard]] std::unique_ptr<Profile> make_profile(const PlannerSettings& settings);
 
 }  // namespace cnc::motion

@@ -90,8 +90,21 @@ JobRunner::Next JobRunner::next() {
   return error_ ? Next::failed : Next::ended;
 }
 
+/// Between moves the program may say very much (messages, offsets); bounded per call like lines.
+bool JobRunner::notes_are_many() const {
+  constexpr std::size_t kMaxNotes = 1000;
+  return due_.size() >= kMaxNotes;
+}
+
 std::optional<motion::Setpoint> JobRunner::draw() {
-  const auto supply = more_to_come_ ? motion::Supply::coming : motion::Supply::ended;
+  auto drawn = draw(more_to_come_ ? motion::Supply::coming : motion::Supply::ended);
+  // Notes so many that nothing is read before they are handed out, which wait for a path that is
+  // still open.
+  if (!drawn && !held_ && !unconfirmed_ && notes_are_many()) drawn = draw(motion::Supply::ended);
+  return drawn;
+}
+
+std::optional<motion::Setpoint> JobRunner::draw(motion::Supply supply) {
   if (detail_ == Detail::whole) return planner_.next(supply);
   const auto stretch = planner_.skip(supply);
   if (!stretch) return std::nullopt;
@@ -224,11 +237,9 @@ void JobRunner::revoke_take_back() {
 
 /// Pulls commands until the planner has enough, or one of them has to wait for standstill.
 void JobRunner::fill_planner() {
-  // Between moves the program may say very much (messages, offsets); bounded per call like lines.
-  constexpr std::size_t kMaxNotes = 1000;
   more_to_come_ = false;
   while (!program_over_ && !pending_action_ && !waits_for_dwell() && !planner_.full()) {
-    if (due_.size() >= kMaxNotes) {
+    if (notes_are_many()) {
       more_to_come_ = true;
       return;
     }

@@ -96,6 +96,8 @@ class JobRunner {
  private:
   void fill_planner();
   [[nodiscard]] std::optional<motion::Setpoint> draw();
+  [[nodiscard]] std::optional<motion::Setpoint> draw(motion::Supply supply);
+  [[nodiscard]] bool notes_are_many() const;
   void take(const interp::Command& command);
   [[nodiscard]] Next give_note();
   [[nodiscard]] Next give_dwell();

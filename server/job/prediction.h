@@ -1,5 +1,9 @@
-// How long a job takes: the same interpreter, planner and runner as the real run, run ahead with
-// nobody watching the clock.
+// How long a job takes: the same interpreter, planner, runner and profile as in the real run, run
+// ahead with nobody watching the clock.
+//
+//   caller's thread                        │ thread of its own
+//   Interpreter ► JobRunner ► Planner ► PathRelay ► PathQueue ► Profile ► Prediction
+//   lines, moves, smoothed path            │ speeds, times
 #pragma once
 
 #include <cstdint>
@@ -25,7 +29,8 @@ class Prediction {
   /// Seconds from the start of the job to the end of `move`.
   [[nodiscard]] double time_at(std::uint64_t move) const;
 
-  void add(const motion::Setpoint& setpoint);
+  /// Goes on for `duration` seconds, to the end of `move` or further towards it.
+  void add(double duration, std::uint64_t move);
 
   /// Set when the job would end with an error.
   std::optional<Error> error;
@@ -44,7 +49,7 @@ class Prediction {
   double time_ = 0.0;
 };
 
-/// Everything a run depends on, by value: the prediction runs on a thread of its own.
+/// Everything a run depends on, by value: the prediction runs beside the machine.
 struct PredictionInput {
   config::MachineConfig config;
   std::shared_ptr<const interp::Program> program;
@@ -54,7 +59,8 @@ struct PredictionInput {
   interp::Library macros{};
 };
 
-/// Runs the job without a machine. Prompts are answered "go on". Nothing when `stop` is requested.
+/// Runs the job without a machine. Prompts are answered "go on". Nothing when `stop` is requested:
+/// both threads then end within some milliseconds.
 [[nodiscard]] std::optional<Prediction> predict(const PredictionInput& input, std::stop_token stop);
 
 }  // namespace cnc::server

@@ -7,3 +7,6 @@ endif()
 
 # How soon a feed hold acts.
 cnc_bench(replan_bench SOURCES "${CMAKE_CURRENT_LIST_DIR}/replan_bench.cpp" LINKS cnc_server fmt::fmt)
+
+# How fast the time of a job is predicted.
+cnc_bench(predict_bench SOURCES "${CMAKE_CURRENT_LIST_DIR}/predict_bench.cpp" LINKS cnc_server fmt::fmt)

@@ -345,6 +345,16 @@ TEST_CASE("A message of the program comes when the machine is there", "[LNG-4]")
   CHECK(rig.position()[Axis::X] == Approx(10.0).margin(0.15));
 }
 
+TEST_CASE("A smoothed path that waits for its next move lets any number of notes pass", "[LNG-4]") {
+  ReadyRig rig;
+  std::string notes;
+  for (int i = 0; i < 1500; ++i) notes += "S" + std::to_string(100 + i % 2) + "\n";
+  rig.start("G64 P0.1\nG1 X10 F3000\nG1 X20 Y5\n" + notes + "G1 X30\n");
+  run_to_end(rig);
+  CHECK(rig.shown()->job.ended_well);
+  CHECK(rig.position()[Axis::X] == Approx(30.0).margin(kExact));
+}
+
 TEST_CASE("The job keeps every axis within its limits and loses no step", "[MOT-1]") {
   ReadyRig rig;
   Position position;

@@ -4,6 +4,9 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fmt/core.h>
+#include <future>
+#include <map>
+#include <stop_token>
 
 #include "tests/server/rig.h"
 
@@ -23,6 +26,14 @@ MachineData machine_for_examples() {
   offset[Axis::Z] = -90.0;
   data.parameters.set_work_offset(1, offset);
   return data;
+}
+
+/// So many short moves that end at X5 Y5.
+std::string zigzag(int moves) {
+  std::string text;
+  for (int i = 1; i < moves; ++i)
+    text += fmt::format("G1 X{:.3f} Y{:.3f}\n", 5.0 + 0.3 * i, 5.0 + std::abs(i % 20 - 10) * 0.2);
+  return text + "G1 X5 Y5\n";
 }
 
 Prediction prediction_of(const MachineData& data, std::shared_ptr<const interp::Program> program) {
@@ -89,6 +100,57 @@ TEST_CASE("The prediction of a smoothed path is the time of its run to the tick"
         Approx(prediction.time()).margin(rig.machine.config().trajectory.interpolation_time));
 }
 
+TEST_CASE("Moves end in the run when the prediction says", "[JOB-5]") {
+  struct Row {
+    const char* rule;
+    std::vector<std::string> settings;
+    std::string program;
+  };
+  std::string notes = "G64 P0.02 F3000\nG1 X5\nG1 X10 Y2\n";
+  for (int i = 0; i < 1500; ++i) notes += fmt::format("S{}\n", 100 + i % 7);
+  const Row row = GENERATE_COPY(values<Row>({
+      {"exact path with corners that are blended", {}, "F3000\nG1 X10\nX20 Y1\nX30\nY10\n"},
+      {"exact stop", {}, "G61.1 F3000\nG1 X10\nX20\nX30\n"},
+      {"exact stop of a move that vanishes", {}, "F3000\nG1 X10\nG61.1 G1 X10\nG61 G1 X20\n"},
+      {"a spindle that runs up on a straight way",
+       {"SPINDLE_0.spindleRampUpTime=0.5"},
+       "F3000\nG1 X10\nM3 S1000\nG1 X20\nM5\nX30\n"},
+      {"dwells and an output in a smoothed path",
+       {},
+       "G64 P0.1 F3000\n" + zigzag(40) + "G4 P0.2\n" + zigzag(40) + "M54 P1\n" + zigzag(300) +
+           "G4 P0.003\n"},
+      {"a dwell before everything else", {}, "G4 P0.1\nG1 X10 F600\n"},
+      {"nothing but dwells", {}, "G4 P0.1\nG4 P0.2\nM8\nG4 P0\n"},
+      {"a path that many notes keep open", {}, notes + "G1 X20 Y3\n"},
+      {"limits of jerk",
+       {"AXIS_X.jerk=20000", "AXIS_Y.jerk=20000", "AXIS_Z.jerk=20000"},
+       "G64 P0.05 F3000\n" + zigzag(150) + "G4 P0.1\nG0 X5 Y5\n"},
+  }));
+  INFO(row.rule);
+  const auto program = interp::Program::from_text(row.program, "moves.nc");
+  REQUIRE(program);
+  const MachineData data = free_machine(row.settings);
+  const Prediction prediction = prediction_of(data, *program);
+  CHECK_FALSE(prediction.error);
+
+  ReadyRig rig(free_machine(row.settings));
+  std::map<std::uint64_t, double> ends;
+  double time = 0.0;
+  rig.machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) {
+    time += setpoint.duration;
+    ends[setpoint.tag.id] = time;
+  });
+  REQUIRE(rig.machine.load(*program, "moves.nc"));
+  REQUIRE(rig.machine.run());
+  run_with_prompts(rig);
+  CHECK(rig.shown()->job.ended_well);
+  const double tick = rig.machine.config().trajectory.interpolation_time;
+  CHECK(prediction.time() > 0.0);
+  CHECK(prediction.time() == Approx(time).margin(tick));
+  // A setpoint may begin in one move and end in the next one.
+  for (const auto& [move, end] : ends) CHECK(prediction.time_at(move) == Approx(end).margin(tick));
+}
+
 TEST_CASE("A prediction ends where the run would end with an error", "[JOB-2][JOB-5]") {
   const MachineData data = free_machine();
   const auto program = interp::Program::from_text("G1 X10 F600\nG1 X900\n", "test.nc");
@@ -117,8 +179,7 @@ TEST_CASE("The time at the end of a move is the sum of the moves before it", "[J
 TEST_CASE("A very long job's marks stay few and ascending", "[JOB-5][JOB-6]") {
   Prediction prediction;
   constexpr std::uint64_t kMoves = 1'000'000;
-  for (std::uint64_t move = 1; move <= kMoves; ++move)
-    prediction.add({.duration = 0.001, .position = {}, .velocity = {}, .tag = {.id = move}});
+  for (std::uint64_t move = 1; move <= kMoves; ++move) prediction.add(0.001, move);
   CHECK(prediction.time() == Approx(0.001 * kMoves));
   double before = 0.0;
   for (std::uint64_t move = 0; move <= kMoves; move += 999) {
@@ -138,6 +199,33 @@ TEST_CASE("A prediction that is not wanted any more ends", "[JOB-5]") {
   std::stop_source stop;
   stop.request_stop();
   CHECK_FALSE(predict({data.config, *program, data.parameters, data.tools, {}}, stop.get_token()));
+}
+
+TEST_CASE("A prediction ends wherever its two threads wait for each other", "[JOB-5][threads]") {
+  struct Row {
+    const char* rule;
+    std::vector<std::string> settings;
+    const char* program;
+  };
+  const Row row = GENERATE(values<Row>({
+      {"times take longer than moves: the queue is full",
+       {"AXIS_X.jerk=20000", "AXIS_Y.jerk=20000", "AXIS_Z.jerk=20000"},
+       "G64 P0.02 F3000\nwhile [1 == 1]\nG1 X1\nG1 X2 Y1\nG1 X3\nG1 X2 Y0\nendwhile\n"},
+      {"no moves come: the queue is empty", {}, "while [1 == 1]\n#100 = [#100 + 1]\nendwhile\n"},
+      {"rests only", {}, "while [1 == 1]\nG4 P0\nendwhile\n"},
+  }));
+  INFO(row.rule);
+  const MachineData data = free_machine(row.settings);
+  const auto program = interp::Program::from_text(row.program, "endless.nc");
+  REQUIRE(program);
+  std::stop_source stop;
+  auto predicted = std::async(std::launch::async, [&] {
+    return predict({data.config, *program, data.parameters, data.tools, {}}, stop.get_token());
+  });
+  CHECK(predicted.wait_for(std::chrono::milliseconds(100)) == std::future_status::timeout);
+  stop.request_stop();
+  REQUIRE(predicted.wait_for(std::chrono::seconds(10)) == std::future_status::ready);
+  CHECK_FALSE(predicted.get());
 }
 
 TEST_CASE("A loaded job is checked and predicted in the background", "[JOB-2][JOB-5][threads]") {
