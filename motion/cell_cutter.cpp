@@ -193,12 +193,10 @@ std::optional<SpeedCell> CellCutter::next() {
   return cell;
 }
 
-Stopping CellCutter::stopping_on(const PathInterval& interval) const {
+double CellCutter::stopping_distance(const PathInterval& interval) const {
   const SpeedCell cell = make_cell(interval, 0.0, interval.length, limits_);
   const double v = speed_on(cell);
-  const double a = cell.reach.a_first;
-  const double jerking = jerking_time(cell);
-  return {v * v / (2.0 * a) + v * (jerking + kMargin), v / a + 2.0 * jerking};
+  return v * v / (2.0 * cell.reach.a_first) + v * (jerking_time(cell) + kMargin);
 }
 
 }  // namespace cnc::motion

@@ -18,12 +18,6 @@ struct PathPlace {
   double start = 0.0;
 };
 
-/// What a stop from full speed takes on an interval, generously.
-struct Stopping {
-  double distance;
-  double time;
-};
-
 class CellCutter {
  public:
   CellCutter(const JerkLimits& limits, std::size_t max_intervals);
@@ -69,7 +63,8 @@ class CellCutter {
 
   [[nodiscard]] SpeedCell cell_at(const PathPlace& place, double length) const;
 
-  [[nodiscard]] Stopping stopping_on(const PathInterval& interval) const;
+  /// What a stop from full speed takes on an interval, generously.
+  [[nodiscard]] double stopping_distance(const PathInterval& interval) const;
 
   /// How far it has come; to be kept and to be put back.
   struct State {

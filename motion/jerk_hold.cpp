@@ -67,6 +67,7 @@ void JerkPlan::split_present_cell() {
     cells[index + 2].knot = knot_between(rest, cells[index + 2].cell.length);
   }
   window_.end = stop.end;
+  if (run().shaped_from > index) ++run().shaped_from;
   place_ = {place_.run, Phase::driving, index + 1, 0.0};
 }
 

@@ -12,9 +12,11 @@ using Phase = MotionPlace::Phase;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Plans again when this part of the look-ahead is new.
+/// Plans again when so much path is new, as a part of what it would change; while the motion is not
+/// so many times as far before that, and this long, s.
 constexpr double kNewPart = 0.5;
-constexpr double kEnoughAhead = 2.5;
+constexpr double kEnoughAhead = 1.5;
+constexpr double kTimeAhead = 0.1;
 /// And wants so much that is new.
 constexpr double kStock = 1.0;
 
@@ -40,7 +42,6 @@ struct JerkPlan::Saved {
   double most_start_x;
   MotionPlace place;
   double look_ahead;
-  double stopping_time;
   Overrides overrides;
   bool held;
   bool changed;
@@ -67,7 +68,6 @@ void JerkPlan::save() {
   saved_->most_start_x = window_.most_start_x;
   saved_->place = place_;
   saved_->look_ahead = look_ahead_;
-  saved_->stopping_time = stopping_time_;
   saved_->overrides = overrides_;
   saved_->held = held_;
   saved_->changed = changed_;
@@ -82,7 +82,6 @@ void JerkPlan::restore() {
   window_.most_start_x = saved_->most_start_x;
   place_ = saved_->place;
   look_ahead_ = saved_->look_ahead;
-  stopping_time_ = saved_->stopping_time;
   changed_ = saved_->changed || saved_->held != held_ || saved_->overrides != overrides_;
   retry_at_cell_ = 0;
 }
@@ -124,9 +123,7 @@ void JerkPlan::append(const PathInterval& interval) {
 }
 
 void JerkPlan::look_at(const PathInterval& interval) {
-  const Stopping stopping = cutter_.stopping_on(interval);
-  look_ahead_ = std::max(look_ahead_, stopping.distance);
-  stopping_time_ = std::max(stopping_time_, stopping.time);
+  look_ahead_ = std::max(look_ahead_, cutter_.stopping_distance(interval));
 }
 
 bool JerkPlan::knows_enough() const {
@@ -142,14 +139,14 @@ void JerkPlan::clear() {
   none.end = cutter_.place();
   runs_.push_back(none);
   place_ = {runs_.first(), Phase::standing, window_.cells.end(), 0.0};
-  look_ahead_ = stopping_time_ = 0.0;
+  look_ahead_ = 0.0;
   retry_at_cell_ = 0;
 }
 
 /// The next run begins where the last one ended.
 void JerkPlan::begin_at_standstill() {
   cutter_.go_to(run().end, 0.0);
-  look_ahead_ = stopping_time_ = 0.0;
+  look_ahead_ = 0.0;
   double seen = 0.0;
   for (std::uint64_t i = cutter_.place().interval; i != intervals().end() && seen < cutter_.left();
        ++i) {
@@ -163,10 +160,22 @@ bool JerkPlan::due() const {
   if (standing()) return !held_ && runs_.free() > 0 && (!in_last_run() || path_left());
   if (place_.cell < retry_at_cell_) return false;
   if (changed_ || held_ || !in_last_run()) return changed_;
-  const double planned = known_ahead() - cutter_.left();
-  if (window_.cells.free() == 0 || planned > kEnoughAhead * look_ahead_) return false;
-  const double enough = cutter_.end_is_known() ? run().stop.length : kNewPart * look_ahead_;
-  return cutter_.left() > enough && cutter_.next_length() > 0.0;
+  if (window_.cells.free() == 0) return false;
+  const double shaped_from = distance_of(std::max(run().shaped_from, place_.cell));
+  const double shaped = distance_of(run().stop.cell) - shaped_from;
+  const double margin = kTimeAhead * std::sqrt(window_.cells[place_.cell].x_in_force);
+  const double ahead = shaped_from - distance_of(place_.cell);
+  if (ahead > kEnoughAhead * shaped + margin) return false;
+  const double enough =
+      cutter_.end_is_known() ? run().stop.length : kNewPart * std::min(shaped, look_ahead_);
+  return (cutter_.left() > enough || !cutter_.has_room()) && cutter_.next_length() > 0.0;
+}
+
+/// Of a cell's begin along the run; also of the place behind the last one.
+double JerkPlan::distance_of(std::uint64_t index) const {
+  if (index < window_.cells.end()) return window_.cells[index].distance;
+  const PlannedCell& last = window_.cells.back();
+  return last.distance + last.cell.length;
 }
 
 void JerkPlan::set_overrides(const Overrides& factors) {

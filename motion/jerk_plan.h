@@ -132,6 +132,7 @@ class JerkPlan {
     double most_start_x = 0.0;
     Stop stop;
     PathPlace end;
+    std::uint64_t shaped_from = 0;  ///< first cell that would be driven faster on a longer path
     double start_speed = 0.0;
     double stop_speed = 0.0;
 
@@ -149,6 +150,7 @@ class JerkPlan {
   [[nodiscard]] double duration_of(std::uint64_t index, const Run& run) const;
   [[nodiscard]] bool path_left() const;
   [[nodiscard]] double known_ahead() const;
+  [[nodiscard]] double distance_of(std::uint64_t index) const;
   void begin_at_standstill();
   void look_at(const PathInterval& interval);
 
@@ -162,7 +164,7 @@ class JerkPlan {
   void push_cell(const SpeedCell& cell);
   [[nodiscard]] Stop stop_behind(const SpeedWindow& window) const;
   [[nodiscard]] std::optional<std::uint64_t> first_free() const;
-  [[nodiscard]] std::uint64_t first_worth_changing() const;
+  [[nodiscard]] std::uint64_t first_shaped_by_stop() const;
   void guess(std::uint64_t first);
   [[nodiscard]] double guess_forward(std::uint64_t index, double x, double way) const;
   bool run_rounds(std::uint64_t first, int rounds);
@@ -186,8 +188,7 @@ class JerkPlan {
   SpeedWindow trial_;   ///< of a hold
   Ring<Run> runs_;
   MotionPlace place_;
-  double look_ahead_ = 0.0;     ///< longest distance in which feed is reached or left
-  double stopping_time_ = 0.0;  ///< and the time for it; both of the last run
+  double look_ahead_ = 0.0;  ///< longest distance in which the last run's feed is reached or left
   Overrides overrides_;
   bool held_ = false;
   bool changed_ = false;             ///< hold, resume or override since the last plan

@@ -36,7 +36,14 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 /// The end of a plan shapes what comes before it for about the time that stopping takes; this many
 /// of them are planned anew.
-constexpr double kTimeOfInfluence = 1.0;
+constexpr double kTimeOfInfluence = 1.5;
+
+/// To stand still from √x.
+double stopping_time(const Reach& reach, double x) {
+  const double v = std::sqrt(x);
+  return v / reach.a_first +
+         2.0 * std::min(reach.a_first / reach.j_first, std::sqrt(v / reach.j_first));
+}
 
 }  // namespace
 
@@ -85,7 +92,7 @@ bool JerkPlan::plan_run() {
 bool JerkPlan::try_plan_run(bool from_rest) {
   auto first = from_rest ? run().begin : first_free();
   if (!first) return false;
-  if (!changed_ && !from_rest) first = std::max(*first, first_worth_changing());
+  if (!changed_ && !from_rest) first = std::max(*first, run().shaped_from);
   cut();
   if (window_.cells.end() == run().begin) return false;
   const Stop stop = stop_behind(window_);
@@ -132,7 +139,7 @@ void JerkPlan::drop_later_runs() {
 void JerkPlan::begin_run() {
   begin_at_standstill();
   Run next;
-  next.begin = window_.cells.end();
+  next.begin = next.shaped_from = window_.cells.end();
   next.from = cutter_.place();
   next.start_length = cutter_.begin_run();
   next.most_start_x =
@@ -188,11 +195,16 @@ std::optional<std::uint64_t> JerkPlan::first_free() const {
   return fixed + 1;
 }
 
-/// Far enough before the stop in force, a longer path changes nothing.
-std::uint64_t JerkPlan::first_worth_changing() const {
-  double left = kTimeOfInfluence * stopping_time_;
+/// Where the plan in force could still stop in much less time than it has, a longer path changes
+/// nothing.
+std::uint64_t JerkPlan::first_shaped_by_stop() const {
+  double left = 0.0;
   std::uint64_t index = run().stop.cell;
-  while (index > window_.begin_cell + 1 && left > 0.0) left -= duration_of(--index, run());
+  while (index > window_.begin_cell + 1) {
+    left += duration_of(--index, run());
+    const PlannedCell& planned = window_.cells[index];
+    if (left > kTimeOfInfluence * stopping_time(planned.cell.reach, planned.x_in_force)) break;
+  }
   return index;
 }
 
@@ -269,6 +281,7 @@ void JerkPlan::end_run_at(const Stop& stop) {
   last.stop_speed = std::sqrt(x_in_force(stop.cell - 1, last)[2]);
   if (window_.begin_cell == last.begin)
     last.start_speed = std::sqrt(x_in_force(last.begin, last)[0]);
+  last.shaped_from = first_shaped_by_stop();
 }
 
 }  // namespace cnc::motion

@@ -112,12 +112,13 @@ struct Planner::Impl {
     Piece piece;
     piece.curve = curve;
     piece.end = length_of(curve);
+    const bool is_feed = options.kind == MoveKind::feed;
     piece.kind = options.kind;
-    piece.feed = options.kind == MoveKind::feed ? options.feed : 0.0;
+    piece.feed = is_feed ? options.feed : 0.0;
     piece.follows_override = options.follows_override;
     piece.laf_angle = options.laf_angle.value_or(settings.laf_angle);
     piece.stop_at_end = options.stop_at_end;
-    piece.tolerance = options.tolerance;
+    piece.tolerance = is_feed ? options.tolerance : 0.0;  // rapids reach their ends
     piece.simplify = options.simplify;
     piece.tag = options.tag;
     waiting.reserve(waiting.size() + 1);

@@ -140,7 +140,9 @@ void LimitJudge::take(const Setpoint& setpoint) {
     acceleration_ratio = std::max(acceleration_ratio, a / limits.max_acceleration[axis]);
     velocity_ratio = std::max(velocity_ratio, cubic.fastest() / limits.max_velocity[axis]);
     if (limits.max_jerk[axis] > 0.0) {
-      jerk_ratio = std::max(jerk_ratio, std::abs(cubic.jerk()) / limits.max_jerk[axis]);
+      const double jerk =
+          std::abs(cubic.jerk()) - 2.0 * rounding * (1.0 + std::abs(cubic.p1)) / setpoint.duration;
+      jerk_ratio = std::max(jerk_ratio, jerk / limits.max_jerk[axis]);
     }
     const double leap = std::abs(cubic.start_acceleration() - acceleration[axis]);
     leap_ratio = std::max(leap_ratio, leap / limits.max_acceleration[axis]);

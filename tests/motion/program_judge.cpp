@@ -13,16 +13,13 @@ namespace cnc::motion::test {
 
 namespace {
 
-/// What an exact path may be beside the program: blends of a tenth of a micrometre, twice.
+/// What an exact path may be beside the program: blends of a tenth of a micrometre, twice; with
+/// limits of jerk, a micrometre (docs/path.md).
 constexpr double kExact = 2e-4;
+constexpr double kExactWithJerk = 1e-3;
 
 /// Path and program are sampled so finely that the chords leave them by no more, mm.
 double chord_error(double allowed) { return std::max(0.003 * allowed, 1e-5); }
-
-double allowed_by(const MoveOptions& options) {
-  if (options.kind == MoveKind::rapid) return kExact;
-  return options.simplify + (options.tolerance > 0.0 ? options.tolerance : kExact);
-}
 
 /// A planner at work on a program, with the judges that look at what it does.
 class Drive {
@@ -30,8 +27,9 @@ class Drive {
   Drive(const RandomProgram& program, const PlannerSettings& settings)
       : program_(program),
         planner_(settings, {}),
-        programmed_(cell_of(program)),
-        driven_(cell_of(program)),
+        exact_(settings.limits.limit_jerk() ? kExactWithJerk : kExact),
+        programmed_(cell_of()),
+        driven_(cell_of()),
         judge_{.limits = program.settings.limits, .position = {}, .velocity = {}} {
     programmed_.add({});
     driven_.add({});
@@ -53,14 +51,19 @@ class Drive {
   }
 
  private:
-  static double cell_of(const RandomProgram& program) {
+  [[nodiscard]] double allowed_by(const MoveOptions& options) const {
+    if (options.kind == MoveKind::rapid) return exact_;
+    return options.simplify + (options.tolerance > 0.0 ? options.tolerance : exact_);
+  }
+
+  [[nodiscard]] double cell_of() const {
     double largest = 0.0;
     double way = 0.0;
-    for (const ProgramStep& step : program.steps) {
+    for (const ProgramStep& step : program_.steps) {
       largest = std::max(largest, allowed_by(step.options));
       way += norm(step.way);
     }
-    const double mean = way / static_cast<double>(std::max<std::size_t>(program.size(), 1));
+    const double mean = way / static_cast<double>(std::max<std::size_t>(program_.size(), 1));
     return std::max({3.0 * largest, 0.5 * mean, 1e-3});
   }
 
@@ -156,6 +159,7 @@ class Drive {
   Verdict finish() {
     verdict_.velocity = judge_.velocity_ratio;
     verdict_.acceleration = judge_.acceleration_ratio;
+    verdict_.jerk = judge_.jerk_ratio;
     verdict_.time = judge_.time;
     verdict_.setpoints = judge_.setpoints;
     if (programmed_.points().size() > 1) measure_distances();
@@ -185,6 +189,7 @@ class Drive {
 
   const RandomProgram& program_;
   Planner planner_;
+  double exact_;
   Polyline programmed_;
   Polyline driven_;
   std::vector<Sample> samples_;
@@ -196,14 +201,16 @@ class Drive {
 }  // namespace
 
 bool Verdict::is_sound() const {
-  return velocity <= 1.0 + 1e-6 && acceleration <= 1.0 + 1e-4 && path_to_program <= 1.0 &&
-         program_to_path <= 1.0 && fault.empty();
+  return velocity <= 1.0 + 1e-6 && acceleration <= 1.0 + 1e-4 && jerk <= 1.0 + 1e-4 &&
+         path_to_program <= 1.0 && program_to_path <= 1.0 && fault.empty();
 }
 
 std::string Verdict::to_string() const {
   return fmt::format(
-      "velocity {:.6f}, acceleration {:.6f}, path to program {:.4f}, program to path {:.4f}{}{}",
-      velocity, acceleration, path_to_program, program_to_path, fault.empty() ? "" : "; ", fault);
+      "velocity {:.6f}, acceleration {:.6f}, jerk {:.6f}, path to program {:.4f}, "
+      "program to path {:.4f}{}{}",
+      velocity, acceleration, jerk, path_to_program, program_to_path, fault.empty() ? "" : "; ",
+      fault);
 }
 
 Verdict judge(const RandomProgram& program) { return judge(program, program.settings.limits); }

@@ -14,6 +14,7 @@ namespace cnc::motion::test {
 struct Verdict {
   double velocity = 0.0;  ///< largest of any axis at any instant
   double acceleration = 0.0;
+  double jerk = 0.0;
   double path_to_program = 0.0;  ///< distance over what the moves nearby allow, X Y Z
   double program_to_path = 0.0;
   std::string fault;  ///< what else is wrong, in words

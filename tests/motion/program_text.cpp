@@ -59,10 +59,12 @@ std::string text_of(const RandomProgram& program) {
   const auto three = [](const Position& p) {
     return fmt::format("{:.12g} {:.12g} {:.12g}", p[Axis::X], p[Axis::Y], p[Axis::Z]);
   };
-  std::string text = fmt::format("(X Y Z: {} mm/s, {} mm/s2; setpoints of {:.12g} s)\nG21 G91\n",
-                                 three(program.settings.limits.max_velocity),
-                                 three(program.settings.limits.max_acceleration),
+  const AxisLimits& limits = program.settings.limits;
+  std::string text = fmt::format("(X Y Z: {} mm/s, {} mm/s2; setpoints of {:.12g} s)\n",
+                                 three(limits.max_velocity), three(limits.max_acceleration),
                                  program.settings.max_setpoint_duration);
+  if (limits.limit_jerk()) text += fmt::format("(jerk: {} mm/s3)\n", three(limits.max_jerk));
+  text += "G21 G91\n";
   std::string mode;
   for (const ProgramStep& step : program.steps) {
     text += event_of(step);
@@ -80,6 +82,7 @@ class Reader {
   void line(const std::string& text) {
     if (text.empty() || text == "G21 G91") return;
     if (text.starts_with("(X Y Z:")) return limits(text);
+    if (text.starts_with("(jerk:")) return jerk(text);
     if (text.front() == '(') return remark(text);
     if (text.starts_with("G6")) return mode(text);
     move(text);
@@ -101,6 +104,14 @@ class Reader {
         &v[Axis::X], &v[Axis::Y], &v[Axis::Z], &a[Axis::X], &a[Axis::Y], &a[Axis::Z],
         &settings.max_setpoint_duration);
     if (count != 7) refuse(text);
+  }
+
+  void jerk(const std::string& text) {
+    Position& j = program_.settings.limits.max_jerk;
+    j = program_.settings.limits.max_acceleration * 20.0;
+    const int count = std::sscanf(text.c_str(), "(jerk: %lf %lf %lf mm/s3)", &j[Axis::X],
+                                  &j[Axis::Y], &j[Axis::Z]);
+    if (count != 3) refuse(text);
   }
 
   void remark(const std::string& text) {

@@ -25,6 +25,17 @@ AxisLimits random_limits(Dice& dice) {
   return limits;
 }
 
+/// X Y Z reach their acceleration within 5 … 200 ms, the rotary axes within 50 ms.
+Position random_jerk(Dice& dice, const Position& acceleration) {
+  Position jerk = acceleration * 20.0;
+  const double time = dice.scale(0.005, 0.2);
+  const bool alike = dice.chance(0.5);
+  for (const Axis axis : kLinearAxes) {
+    jerk[axis] = acceleration[axis] / (alike ? time : time * dice.scale(0.5, 2.0));
+  }
+  return jerk;
+}
+
 /// How the moves of one program look, and the modes that are in force.
 struct Manner {
   double size;
@@ -143,7 +154,11 @@ void simplify_settings(const RandomProgram& program, Simplifications& offers) {
   const auto all_alike = [](const Position& values) {
     return values[Axis::X] == values[Axis::Y] && values[Axis::Y] == values[Axis::Z];
   };
-  for (Position AxisLimits::*limit : {&AxisLimits::max_velocity, &AxisLimits::max_acceleration}) {
+  if (program.settings.limits.limit_jerk()) {
+    offers.add([](RandomProgram& p) { p.settings.limits.max_jerk = {}; });
+  }
+  for (Position AxisLimits::*limit :
+       {&AxisLimits::max_velocity, &AxisLimits::max_acceleration, &AxisLimits::max_jerk}) {
     if (!all_alike(program.settings.limits.*limit)) {
       offers.add([&](RandomProgram& p) {
         Position& values = p.settings.limits.*limit;
@@ -211,6 +226,10 @@ void simplify_geometry(const RandomProgram& program, std::size_t i, Simplificati
 RandomProgram random_program(Dice& dice, int moves, const Variety& variety) {
   RandomProgram program;
   program.settings.limits = random_limits(dice);
+  if (variety.jerk) {
+    AxisLimits& limits = program.settings.limits;
+    limits.max_jerk = random_jerk(dice, limits.max_acceleration);
+  }
   program.settings.max_setpoint_duration = dice.scale(0.001, 0.02);
   Manner manner{.size = dice.scale(0.01, 30.0),
                 .turn = dice.scale(0.01, 3.14),

@@ -45,6 +45,7 @@ struct RandomProgram {
 struct Variety {
   bool modes = true;   ///< G61, G61.1, other P and Q in between
   bool events = true;  ///< hold, overrides, and a source that is slow now and then
+  bool jerk = false;   ///< limits of jerk
 };
 
 /// Lines of 0.001 … 30 mm, arcs and helices, with random turns, limits of the axes and tolerances.
