@@ -20,9 +20,11 @@ constexpr double kGridTime = 0.005;
 
 constexpr double kLargestTurn = 2.0 * std::numbers::pi / 180.0;
 
-/// Steps of a cubic keep the limits all along, whatever their length; finer ones only gain time.
-constexpr double kCubicTurn = 3.0 * std::numbers::pi / 180.0;
-constexpr double kMostCubicSteps = 4.0;
+/// Steps of a cubic keep the limits all along, whatever their length; finer ones only gain time:
+/// the more, the more the curve turns in them and the more its bend changes, since one w has to
+/// suit all of it. The geometric mean of both, the change as a part of the bend, brings most for
+/// the steps that it takes.
+constexpr double kCubicTurn = 7.0 * std::numbers::pi / 180.0;
 
 /// |gain * w + offset * x| <= limit: what an axis' limit says about w and x.
 struct Demand {
@@ -155,10 +157,20 @@ Range intersect(Range range, const Demand& demand, double limit, double x) {
   return {std::max(range.low, centre - width), std::min(range.high, centre + width)};
 }
 
-/// Change of direction over a step, in radians for the small angles of steps.
-double turn_between(const Position& a, const Position& b) {
+/// Change of a vector as a part of itself, squared. Of a direction it is the angle in radians, for
+/// the small angles of steps.
+double square_of_change(const Position& a, const Position& b) {
   const Position change = b - a;
-  return std::sqrt(dot(change, change) / std::max(dot(a, a), dot(b, b)));
+  const double largest = std::max(dot(a, a), dot(b, b));
+  return largest > 0.0 ? dot(change, change) / largest : 0.0;
+}
+
+/// Steps that a cubic wants between two places, for what it turns and bends.
+double steps_between(const Cubic& cubic, double start, double end) {
+  const double product = square_of_change(cubic.tangent(start), cubic.tangent(end)) *
+                         square_of_change(cubic.bend(start), cubic.bend(end));
+  constexpr double kOneStep = kCubicTurn * kCubicTurn * kCubicTurn * kCubicTurn;
+  return product <= kOneStep ? 1.0 : std::ceil(std::sqrt(std::sqrt(product)) / kCubicTurn);
 }
 
 /// Part of the axes' accelerations that a curve must leave free, for two reasons. Except on cubics
@@ -289,8 +301,7 @@ double grid_length(const Curve& curve, double start, double end, double speed,
   if (is_straight(curve)) return length;
   const double by_speed = std::max(0.05 * speed * speed / acceleration, speed * kGridTime);
   if (const auto* cubic = std::get_if<Cubic>(&curve)) {
-    const double turn = turn_between(cubic->tangent(start), cubic->tangent(end));
-    const double count = std::clamp(std::ceil(turn / kCubicTurn), 1.0, kMostCubicSteps);
+    const double count = steps_between(*cubic, start, end);
     return std::max(std::min(length / count, by_speed), length / kMostStepsOfCubic);
   }
   const auto& arc = std::get<Arc>(curve);

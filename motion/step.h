@@ -87,8 +87,9 @@ void set_step(Step& step, const Curve& curve, double start, double length,
 [[nodiscard]] double fourth_derivative(const Step& step, double x, double w);
 
 /// Step length on a curve that is driven at up to `speed` and can accelerate along its begin with
-/// `acceleration`: at most 2° of turning on arcs and 3° on cubics, at most a part of the distance
-/// in which the speed is reached, and no finer than 5 ms. At most kMostStepsOfCubic on a cubic.
+/// `acceleration`: at most 2° of turning on arcs; on cubics as turning and bend change; at most a
+/// part of the distance in which the speed is reached, and no finer than 5 ms. At most
+/// kMostStepsOfCubic on a cubic.
 [[nodiscard]] double grid_length(const Curve& curve, double start, double end, double speed,
                                  double acceleration);
 
