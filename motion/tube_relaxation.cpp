@@ -7,8 +7,9 @@ namespace cnc::motion {
 
 namespace {
 
-/// Part of the tolerance that is accepted; what is left is for the path between the nodes.
-constexpr double kAccepted = 0.95;
+/// Part of the tolerance that is accepted; what is left is for the path between the nodes, which is
+/// not quite a parabola.
+constexpr double kAccepted = 0.97;
 
 constexpr int kRounds = 4;        // then only what leaves the tube is stiffened
 constexpr int kExtraRounds = 30;  // then the run is broken
@@ -56,12 +57,22 @@ void add_distances(const Stencils& __restrict e, const MiddleStencils& __restric
   }
 }
 
-/// The largest distance at each node and half-way to its neighbours, there across the program's
-/// direction only.
+/// The largest value of a parabola if that lies between its ends, otherwise the one half-way.
+double peak_between(double begin, double half_way, double end) {
+  const double bow = 2.0 * half_way - begin - end;
+  const double rise = end - begin;
+  const double peak = half_way + rise * rise / (8.0 * bow);
+  return std::abs(rise) < 2.0 * bow ? peak : half_way;
+}
+
+/// The largest distance at each node and on the way to its neighbours: its square as a parabola
+/// through what it is at both and half-way, there across the program's direction only.
 void collect_largest(const NodeRow& __restrict at_node, const NodeRow& __restrict along,
                      const NodeRow& __restrict scale, std::size_t last,
                      NodeRow& __restrict half_way, NodeRow& __restrict largest) {
-  for (std::size_t i = kFirstNode; i < last; ++i) half_way[i] -= along[i] * along[i];
+  for (std::size_t i = kFirstNode; i < last; ++i) {
+    half_way[i] = peak_between(at_node[i], half_way[i] - along[i] * along[i], at_node[i + 1]);
+  }
   half_way[last] = 0.0;
   for (std::size_t i = kFirstNode; i <= last; ++i) {
     largest[i] = scale[i] * larger(at_node[i], larger(half_way[i - 1], half_way[i]));

@@ -47,7 +47,7 @@ class TubeRelaxation {
  private:
   /// The iteration aims at this part of the tolerance at the nodes; what is left is for the path
   /// between them.
-  static constexpr double kTarget = 0.91;
+  static constexpr double kTarget = 0.93;
   static constexpr double kOutside = 1.0 / (kTarget * kTarget);
 
   void prepare(const TubeNodes& nodes, std::size_t last);
