@@ -102,6 +102,12 @@ enum class PathStop : std::uint8_t { none, stopping, stopped };
 struct ControllerStatus {
   double time = 0.0;  ///< board time, s
   bool connected = false;
+  std::uint32_t sessions = 0;  ///< counts up whenever a link has been made, also after its loss
+  /// The board was reset before this session: `position` is only where the axes were last seen.
+  bool counts_lost = false;
+  /// The newest frame of requests (Controller::next_frame) whose effect this status shows, or that
+  /// was lost with the link.
+  std::uint64_t frames_done = 0;
   Faults faults = 0;
   std::uint32_t executing_id = 0;  ///< segment in execution, or the last executed; 0 = none yet
   double executing_phase = 0.0;    ///< 0 … 1 within it
@@ -137,9 +143,12 @@ class Controller {
   virtual Result<Capabilities> connect() = 0;
   virtual void disconnect() = 0;
 
-  /// One exchange with the board: sends what was asked for since the last, brings the status.
-  /// `now` is the caller's monotonic clock in seconds; it never goes back.
+  /// One exchange with the board: sends what was asked for since the last, brings the status, which
+  /// may be from before that: frames_done tells. `now` is the caller's monotonic clock in seconds;
+  /// it never goes back. Without a link it tries to make one.
   virtual const ControllerStatus& exchange(double now) = 0;
+  /// Number of the frame in which what is asked for now will go out; from 1.
+  [[nodiscard]] virtual std::uint64_t next_frame() const = 0;
 
   /// Segments that the FIFO still takes.
   [[nodiscard]] virtual std::size_t free_segments() const = 0;

@@ -1,33 +1,43 @@
-// A CPU5 board in this process: the firmware core wired to a virtual machine, and time from the
-// caller's clock, real or virtual.
+// A CPU5 board in this process: the firmware wired to a virtual machine, on a clock that the caller
+// moves, real or virtual.
 #pragma once
 
-#include "hal/cpu5/driver/board_port.h"
+#include <memory>
+#include <optional>
+#include <span>
+
+#include "hal/cpu5/firmware/board_link.h"
 #include "hal/sim/virtual_machine.h"
 
 namespace cnc::hal::sim {
 
-class VirtualBoard final : public cpu5::BoardPort {
+class VirtualBoard {
  public:
-  VirtualBoard(const config::MachineConfig& config, const MachineOptions& options)
-      : machine_(config, options), core_(machine_) {}
+  VirtualBoard(const config::MachineConfig& config, const MachineOptions& options);
 
   [[nodiscard]] VirtualMachine& machine() { return machine_; }
 
-  Result<cpu5::firmware::Status> open(const cpu5::firmware::Setup& setup) override;
-  void close() override {}
-  /// The board's time begins with the first exchange; from then on it runs as `now` does, whether
-  /// or not the host is connected.
-  bool exchange(double now, const cpu5::firmware::HostFrame& frame,
-                cpu5::firmware::Status& status) override;
+  /// The board's time begins with the first call; from then on it runs as `now` does, whether or
+  /// not the host is connected.
+  void advance_to(double now);
+  /// Where its time has come to, s.
+  [[nodiscard]] double now() const { return now_; }
+  /// A packet has come: the answer, valid until the next call; empty: none.
+  std::span<const std::uint8_t> answer(std::span<const std::uint8_t> packet);
+  /// As if its power had failed for a moment: it forgets everything, the machine stays as it is.
+  void reset();
 
  private:
-  void advance_to(double now);
+  void start();
 
   VirtualMachine machine_;
-  cpu5::firmware::Core core_;
+  std::optional<cpu5::firmware::Core> core_;
+  std::optional<cpu5::firmware::BoardLink> link_;
+  std::uint32_t boots_ = 0;
   std::optional<double> power_up_;
+  double now_ = 0.0;
   cpu5::firmware::Ticks time_ = 0;
+  std::array<std::uint8_t, cpu5::wire::kMaxPacket> memory_;
 };
 
 }  // namespace cnc::hal::sim

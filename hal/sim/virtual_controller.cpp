@@ -1,15 +1,14 @@
 #include "hal/sim/virtual_controller.h"
 
-#include "hal/sim/virtual_board.h"
-
 namespace cnc::hal::sim {
 
 std::unique_ptr<VirtualController> make_virtual_controller(const config::MachineConfig& config,
                                                            const SimOptions& options) {
-  auto board = std::make_unique<VirtualBoard>(config, options.machine);
-  VirtualMachine& machine = board->machine();
+  auto channel = std::make_unique<VirtualChannel>(config, options.machine);
+  VirtualChannel& end = *channel;
+  auto port = std::make_unique<cpu5::WirePort>(std::move(channel), options.wire);
   return std::unique_ptr<VirtualController>(
-      new VirtualController(config, options.driver, std::move(board), machine));
+      new VirtualController(config, options.driver, std::move(port), end));
 }
 
 }  // namespace cnc::hal::sim

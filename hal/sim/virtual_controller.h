@@ -7,27 +7,32 @@
 #include <memory>
 
 #include "hal/cpu5/driver/cpu5_driver.h"
-#include "hal/sim/virtual_machine.h"
+#include "hal/cpu5/driver/wire_port.h"
+#include "hal/sim/virtual_channel.h"
 
 namespace cnc::hal::sim {
 
 struct SimOptions {
   MachineOptions machine{};
   cpu5::DriverSettings driver{};
+  cpu5::WireSettings wire{};
 };
 
 class VirtualController final : public cpu5::Cpu5Driver {
  public:
-  [[nodiscard]] VirtualMachine& machine() { return machine_; }
+  [[nodiscard]] VirtualMachine& machine() { return channel_.board().machine(); }
+  [[nodiscard]] VirtualBoard& board() { return channel_.board(); }
+  /// Of the cable between driver and board.
+  [[nodiscard]] LinkTrouble& trouble() { return channel_.trouble(); }
 
  private:
   friend std::unique_ptr<VirtualController> make_virtual_controller(const config::MachineConfig&,
                                                                     const SimOptions&);
   VirtualController(const config::MachineConfig& config, const cpu5::DriverSettings& settings,
-                    std::unique_ptr<cpu5::BoardPort> board, VirtualMachine& machine)
-      : Cpu5Driver(config, settings, std::move(board)), machine_(machine) {}
+                    std::unique_ptr<cpu5::BoardPort> port, VirtualChannel& channel)
+      : Cpu5Driver(config, settings, std::move(port)), channel_(channel) {}
 
-  VirtualMachine& machine_;  // part of the board that the driver owns
+  VirtualChannel& channel_;  // the driver's port owns it
 };
 
 /// Allocates; nothing after it does.

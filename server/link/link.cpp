@@ -29,9 +29,11 @@ void Link::cycle(double now) {
   LinkStatus& status = status_.back();
   status.board = controller_->exchange(now);
   // A board in fault takes nothing; what was meant for it would be wrong after the fault is
-  // cleared.
-  if (status.board.faults != 0) drop_queue();
-  path_is_void_ = status.board.path_stop == hal::PathStop::stopped;
+  // cleared. Nor does one that is not there.
+  const bool settled = status.board.frames_done >= settling_frame_;
+  if (!status.board.connected || (settled && status.board.faults != 0)) drop_queue();
+  path_is_void_ = settled && status.board.path_stop == hal::PathStop::stopped;
+  note_done(status.board.frames_done);
   status.items_done = items_done_;
   status.interval = now - std::exchange(last_exchange_, now);
   if (status.board.moving && status.board.fifo_count > 0) {
@@ -45,15 +47,33 @@ void Link::cycle(double now) {
 void Link::deliver() {
   while (queue_.read_available() > 0 && (is_cut_off(queue_.front()) || deliver(queue_.front()))) {
     queue_.pop();
-    ++items_done_;
+    note_delivered();
   }
+}
+
+/// It goes out with the controller's next frame.
+void Link::note_delivered() {
+  const std::uint64_t frame = controller_->next_frame();
+  deliveries_[frame % kDeliveries] = {frame, ++delivered_};
+}
+
+void Link::note_done(std::uint64_t frames_done) {
+  const std::uint64_t first =
+      std::max(frames_done_, frames_done < kDeliveries ? 0 : frames_done - kDeliveries + 1);
+  for (std::uint64_t frame = first; frame <= frames_done; ++frame) {
+    const Delivery& delivery = deliveries_[frame % kDeliveries];
+    if (delivery.frame == frame) items_done_ = delivery.items;
+  }
+  frames_done_ = frames_done;
+  const bool all_answered = frames_done + 1 >= controller_->next_frame();
+  if (all_answered) items_done_ = delivered_;
 }
 
 /// A segment that a cut behind it in the queue replaces. The number of the cut is loaded first:
 /// what it cuts behind was stored before.
 bool Link::is_cut_off(const LinkItem& item) const {
   const auto* segment = std::get_if<hal::Segment>(&item);
-  return segment != nullptr && items_done_ < cut_item_.load(std::memory_order_acquire) &&
+  return segment != nullptr && delivered_ < cut_item_.load(std::memory_order_acquire) &&
          segment->id > cut_behind_.load(std::memory_order_relaxed);
 }
 
@@ -61,6 +81,7 @@ bool Link::deliver(const LinkItem& item) {
   struct Visitor {
     hal::Controller& board;
     bool& path_is_void;
+    std::uint64_t& settling_frame;
     bool is_committed;
     bool operator()(const hal::Segment& segment) const {
       return path_is_void || board.push({&segment, 1}) == 1;
@@ -79,6 +100,7 @@ bool Link::deliver(const LinkItem& item) {
     }
     bool operator()(const ReleaseStop&) const {
       board.release_stop();
+      settling_frame = board.next_frame();
       path_is_void = false;
       return true;
     }
@@ -88,6 +110,7 @@ bool Link::deliver(const LinkItem& item) {
     }
     bool operator()(const ClearFaults&) const {
       board.clear_faults();
+      settling_frame = board.next_frame();
       return true;
     }
     bool operator()(const SetPosition& set) const {
@@ -104,17 +127,20 @@ bool Link::deliver(const LinkItem& item) {
       return true;
     }
   };
-  const bool is_committed = items_done_ < cut_item_.load(std::memory_order_acquire);
-  return std::visit(Visitor{*controller_, path_is_void_, is_committed}, item);
+  const bool is_committed = delivered_ < cut_item_.load(std::memory_order_acquire);
+  return std::visit(Visitor{*controller_, path_is_void_, settling_frame_, is_committed}, item);
 }
 
 void Link::drop_queue() {
   while (queue_.read_available() > 0) {
     // Faults are cleared by an item in this very queue: it must survive, or the machine could never
     // leave the fault.
-    if (std::holds_alternative<ClearFaults>(queue_.front())) controller_->clear_faults();
+    if (std::holds_alternative<ClearFaults>(queue_.front())) {
+      controller_->clear_faults();
+      settling_frame_ = controller_->next_frame();
+    }
     queue_.pop();
-    ++items_done_;
+    note_delivered();
   }
 }
 

@@ -48,8 +48,9 @@ using LinkItem = std::variant<hal::Segment, SetOutputs, ClearFaults, SetPosition
 
 struct LinkStatus {
   hal::ControllerStatus board;
-  std::uint64_t items_done = 0;  ///< items that have reached the board, since the link was made
-  double interval = 0.0;         ///< s between the last two exchanges
+  /// Items that have reached the board, since the link was made; `board` shows what came of them.
+  std::uint64_t items_done = 0;
+  double interval = 0.0;  ///< s between the last two exchanges
 };
 
 struct LinkStatistics {
@@ -105,6 +106,15 @@ class Link {
   bool deliver(const LinkItem& item);
   [[nodiscard]] bool is_cut_off(const LinkItem& item) const;
   void drop_queue();
+  void note_delivered();
+  void note_done(std::uint64_t frames_done);
+
+  /// How many items had been handed over with a frame of the controller's.
+  struct Delivery {
+    std::uint64_t frame = 0;
+    std::uint64_t items = 0;
+  };
+  static constexpr std::size_t kDeliveries = 64;  // more than frames can be on their way
 
   std::unique_ptr<hal::Controller> controller_;
   boost::lockfree::spsc_queue<LinkItem, boost::lockfree::capacity<kCapacity>> queue_;
@@ -115,8 +125,12 @@ class Link {
   std::uint64_t pushed_ = 0;      // executor's
   std::uint64_t begun_cut_ = 0;   // executor's: number of its item
   double last_exchange_ = 0.0;    // link thread's
-  std::uint64_t items_done_ = 0;  // link thread's
-  bool path_is_void_ = false;     // the board has stopped along the path: no segment reaches it
+  std::uint64_t delivered_ = 0;   // link thread's, as all that follows: items handed over
+  std::uint64_t items_done_ = 0;  // and those that the board has answered
+  std::array<Delivery, kDeliveries> deliveries_{};  // by frame
+  std::uint64_t frames_done_ = 0;
+  std::uint64_t settling_frame_ = 0;  // clears faults or releases a stop: older status is past
+  bool path_is_void_ = false;         // the board has stopped along the path: no segment reaches it
   LinkStatistics statistics_;
 };
 

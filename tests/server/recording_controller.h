@@ -25,6 +25,7 @@ class RecordingController final : public hal::Controller {
   Result<hal::Capabilities> connect() override { return {}; }
   void disconnect() override {}
   const hal::ControllerStatus& exchange(double) override { return recording_.status; }
+  [[nodiscard]] std::uint64_t next_frame() const override { return 0; }
   [[nodiscard]] std::size_t free_segments() const override { return recording_.room; }
   std::size_t push(std::span<const hal::Segment> segments) override {
     std::size_t taken = 0;

@@ -1,22 +1,56 @@
-// How the driver reaches a board: a cable, a socket, or a function call into the virtual board.
+// How the driver reaches a board: numbered frames there, the newest status back.
 #pragma once
+
+#include <cstdint>
 
 #include "config/error.h"
 #include "hal/cpu5/firmware/host_frame.h"
+#include "hal/cpu5/wire/messages.h"
 
 namespace cnc::hal::cpu5 {
+
+/// Packets since the port was made.
+struct PacketCounts {
+  std::uint64_t sent = 0;
+  std::uint64_t resent = 0;       ///< of those: frames that had been sent before
+  std::uint64_t received = 0;     ///< whole and for this session
+  std::uint64_t passed_over = 0;  ///< damaged, of another session, or overtaken by a newer one
+};
+
+/// What is known of the board after an exchange.
+struct BoardAnswer {
+  bool connected = false;
+  std::uint32_t greetings = 0;  ///< sessions so far: one more after every loss of the link
+  bool counts_lost = false;     ///< the board was reset before the present session
+  std::uint64_t frames_done =
+      0;  ///< frames that `status` knows of, or that were lost with the link
+  firmware::Status status{};
+  double round_trip = 0.0;  ///< s, of the last answer
+  PacketCounts packets{};
+};
 
 class BoardPort {
  public:
   virtual ~BoardPort() = default;
 
-  /// The board's status as it is then.
-  virtual Result<firmware::Status> open(const firmware::Setup& setup) = 0;
+  /// Greets the board; may take a second. When that fails, exchange() goes on trying.
+  virtual Result<wire::Identity> open(const firmware::Setup& setup) = 0;
   virtual void close() = 0;
-  /// Delivers `frame` exactly once and brings the newest status. False when the board does not
-  /// answer any more; the frame is then not delivered and `status` not touched. `now` in seconds
-  /// never goes back. Real-time: no allocation, no lock, bounded time.
-  virtual bool exchange(double now, const firmware::HostFrame& frame, firmware::Status& status) = 0;
+
+  // Real-time: no allocation, no lock, no waiting.
+
+  /// Whether send() takes a frame now: there is room, and a board.
+  [[nodiscard]] virtual bool ready() const = 0;
+  /// Delivers `frame` exactly once, after those before it, as long as the link lasts.
+  virtual void send(const firmware::HostFrame& frame) = 0;
+  [[nodiscard]] virtual std::uint64_t frames_sent() const = 0;
+  /// Overtakes the frames on their way, whose segments and outputs become void. Frames sent from
+  /// now on count.
+  virtual void quick_stop() = 0;
+  /// The first half of an exchange: reads what has come. `now` in seconds never goes back.
+  virtual void receive(double now) = 0;
+  /// The second half, behind the frames that were sent meanwhile.
+  virtual const BoardAnswer& exchange() = 0;
 };
 
 }  // namespace cnc::hal::cpu5

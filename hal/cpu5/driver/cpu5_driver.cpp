@@ -57,14 +57,17 @@ Cpu5Driver::Cpu5Driver(const config::MachineConfig& config, const DriverSettings
 
 Result<Capabilities> Cpu5Driver::connect() {
   if (auto checked = check_axes(); !checked) return std::unexpected(checked.error());
-  const auto opened = port_->open(setup());
-  if (!opened) return std::unexpected(opened.error());
-  frame_.reset();
-  clock_.reset();
-  board_ = *opened;
-  read_status();
-  status_.connected = true;
-  return Capabilities{.fifo_capacity = firmware::kFifoCapacity,
+  const auto board = port_->open(setup());
+  if (!board) return std::unexpected(board.error());
+  if (board->max_step_frequency < settings_.max_step_frequency) {
+    port_->close();
+    return fail(ErrorCode::step_frequency_too_high,
+                fmt::format("The board makes {} steps/s at most; {} are set up.",
+                            board->max_step_frequency, settings_.max_step_frequency));
+  }
+  fifo_capacity_ = board->fifo_capacity;
+  take(port_->exchange());
+  return Capabilities{.fifo_capacity = fifo_capacity_,
                       .max_step_frequency = settings_.max_step_frequency,
                       .min_segment_duration = seconds(firmware::kMinSegmentTicks)};
 }
@@ -110,39 +113,117 @@ void Cpu5Driver::disconnect() {
 }
 
 const ControllerStatus& Cpu5Driver::exchange(double now) {
-  if (!status_.connected) return status_;
-  status_.connected = port_->exchange(now, frame_, board_);
-  if (!status_.connected) return status_;
-  frame_.reset();
-  read_status();
+  port_->receive(now);
+  if (has_requests_) send_frames();
+  take(port_->exchange());
   return status_;
+}
+
+/// As many as the line takes; the others move up.
+void Cpu5Driver::send_frames() {
+  std::size_t sent = 0;
+  while (sent < outbox_count_ && port_->ready()) {
+    on_their_way_[(port_->frames_sent() + 1) % kMostOnTheirWay] = summary_of(outbox_[sent]);
+    port_->send(outbox_[sent++]);
+  }
+  if (sent == outbox_count_) return empty_outbox();
+  if (sent == 0) return;
+  std::copy(outbox_.begin() + static_cast<std::ptrdiff_t>(sent),
+            outbox_.begin() + static_cast<std::ptrdiff_t>(outbox_count_), outbox_.begin());
+  outbox_count_ -= sent;
+}
+
+void Cpu5Driver::empty_outbox() {
+  outbox_count_ = 1;
+  asked().reset();
+  has_requests_ = false;
+}
+
+bool Cpu5Driver::begin_frame() {
+  if (outbox_count_ == kOutbox) return false;
+  outbox_[outbox_count_++].reset();
+  return true;
+}
+
+void Cpu5Driver::take(const BoardAnswer& answer) {
+  status_.connected = answer.connected;
+  status_.frames_done = answer.frames_done;
+  if (!answer.connected) return;
+  if (answer.greetings != greetings_) begin_session(answer);
+  board_ = answer.status;
+  read_status();
+}
+
+/// What was asked for while nobody listened is void. A board that was reset counts from 0 again:
+/// the axes are shown where they were last seen, and whoever reads counts_lost knows what that is
+/// worth.
+void Cpu5Driver::begin_session(const BoardAnswer& answer) {
+  greetings_ = answer.greetings;
+  empty_outbox();
+  clock_.reset();
+  status_.sessions = greetings_;
+  status_.counts_lost = answer.counts_lost;
+  if (!answer.counts_lost) return;
+  for (const Axis axis : kAllAxes) {
+    scales_[axis].set_position(status_.position[axis], answer.status.counts[index_of(axis)]);
+  }
 }
 
 // --- requests ------------------------------------------------------------------------------------
 
-std::size_t Cpu5Driver::free_segments() const {
-  const bool made_free = frame_.clear_faults || frame_.quick_stop || frame_.release_stop;
-  const bool in_fault = status_.faults != 0 && !frame_.clear_faults;
-  const bool held = status_.path_stop == PathStop::stopped && !made_free;
-  if (!status_.connected || in_fault || held) return 0;
-  const std::uint32_t board_free = made_free         ? firmware::kFifoCapacity
-                                   : !frame_.has_cut ? board_.fifo_free
-                                                     : firmware::kFifoCapacity - most_kept_by_cut();
-  const std::uint32_t used =
-      frame_.segment_count - (frame_.has_cut ? frame_.segments_before_cut : 0);
-  return board_free > used ? board_free - used : 0;
+Cpu5Driver::OnItsWay Cpu5Driver::summary_of(const firmware::HostFrame& frame) {
+  return {.empties_fifo = frame.empties_fifo(),
+          .has_cut = frame.has_cut,
+          .cut_behind = frame.cut_behind,
+          .segments_before_cut = frame.has_cut ? frame.segments_before_cut : frame.segment_count,
+          .segments = frame.segment_count};
 }
 
-// Numbers go up, so there are no more segments between two of them than their difference.
-std::uint32_t Cpu5Driver::most_kept_by_cut() const {
-  const std::uint32_t waiting = board_.fifo_count + frame_.segments_before_cut;
-  return std::min({waiting, frame_.cut_behind - board_.executing_id, firmware::kFifoCapacity});
+/// In their order, those that are still here last.
+template <typename Visit>
+void Cpu5Driver::for_each_on_its_way(Visit visit) const {
+  for (std::uint64_t number = status_.frames_done + 1; number <= port_->frames_sent(); ++number) {
+    visit(on_their_way_[number % kMostOnTheirWay]);
+  }
+  for (std::size_t i = 0; i < outbox_count_; ++i) visit(summary_of(outbox_[i]));
+}
+
+bool Cpu5Driver::path_is_on_its_way() const {
+  bool any = false;
+  for_each_on_its_way([&](const OnItsWay& frame) { any = any || frame.segments > 0; });
+  return any;
+}
+
+// As full as the FIFO can be when everything has arrived. A cut leaves no more segments than there
+// are numbers between the one in execution and the one that it cuts behind.
+std::size_t Cpu5Driver::free_segments() const {
+  std::uint32_t waiting = fifo_capacity_ - std::min(board_.fifo_free, fifo_capacity_);
+  bool emptied = false;
+  for_each_on_its_way([&](const OnItsWay& frame) {
+    if (frame.empties_fifo) waiting = 0;
+    emptied = emptied || frame.empties_fifo;
+    waiting += frame.segments_before_cut;
+    if (!frame.has_cut) return;
+    waiting = std::min(waiting, frame.cut_behind - board_.executing_id);
+    waiting += frame.segments - frame.segments_before_cut;
+  });
+  const bool in_fault = status_.faults != 0 && status_.frames_done >= clear_frame_;
+  const bool held = status_.path_stop == PathStop::stopped && !emptied;
+  if (!status_.connected || in_fault || held || waiting >= fifo_capacity_) return 0;
+  return fifo_capacity_ - waiting;
 }
 
 std::size_t Cpu5Driver::push(std::span<const Segment> segments) {
   const auto taken = segments.first(std::min(segments.size(), free_segments()));
-  for (const Segment& segment : taken) frame_.segments[frame_.segment_count++] = to_board(segment);
-  return taken.size();
+  std::size_t count = 0;
+  for (const Segment& segment : taken) {
+    if (last_frame().segment_count == firmware::kSegmentsPerFrame && !begin_frame()) break;
+    firmware::HostFrame& frame = last_frame();
+    frame.segments[frame.segment_count++] = to_board(segment);
+    has_requests_ = true;
+    ++count;
+  }
+  return count;
 }
 
 firmware::Segment Cpu5Driver::to_board(const Segment& segment) {
@@ -161,70 +242,92 @@ firmware::Segment Cpu5Driver::to_board(const Segment& segment) {
 }
 
 void Cpu5Driver::set_outputs(const Outputs& outputs) {
-  frame_.has_outputs = true;
-  frame_.outputs = cpu5::to_board(outputs);
+  asked().has_outputs = true;
+  asked().outputs = cpu5::to_board(outputs);
+  has_requests_ = true;
 }
 
 void Cpu5Driver::cut_behind(std::uint32_t id) {
-  frame_.has_cut = true;
-  frame_.cut_behind = id;
-  frame_.segments_before_cut = frame_.segment_count;
+  if (last_frame().has_cut) static_cast<void>(begin_frame());
+  firmware::HostFrame& frame = last_frame();
+  frame.has_cut = true;
+  frame.cut_behind = id;
+  frame.segments_before_cut = frame.segment_count;
+  has_requests_ = true;
   clock_.reset();
 }
 
 void Cpu5Driver::quick_stop() {
   drop_segments();
-  frame_.quick_stop = true;
+  asked().quick_stop = true;
+  has_requests_ = true;
+  port_->quick_stop();
 }
 
-void Cpu5Driver::stop_along_path() { frame_.stop_along_path = true; }
+void Cpu5Driver::stop_along_path() {
+  asked().stop_along_path = true;
+  has_requests_ = true;
+}
 
 void Cpu5Driver::release_stop() {
   if (status_.path_stop != PathStop::stopped) return;
   drop_segments();
-  frame_.release_stop = true;
+  asked().release_stop = true;
+  has_requests_ = true;
 }
 
 // Outputs asked for before the reset do not survive it: a spindle must not start because a fault
 // was cleared.
 void Cpu5Driver::clear_faults() {
   drop_segments();
-  frame_.has_outputs = false;
-  frame_.clear_faults = true;
+  asked().has_outputs = false;
+  asked().clear_faults = true;
+  has_requests_ = true;
+  clear_frame_ = port_->frames_sent() + 1;
 }
 
 void Cpu5Driver::drop_segments() {
-  frame_.segment_count = 0;
-  frame_.has_cut = false;
+  outbox_count_ = 1;
+  asked().segment_count = 0;
+  asked().has_cut = false;
   clock_.reset();
 }
 
 bool Cpu5Driver::set_position(Axis axis, double position) {
-  if (status_.moving || frame_.segment_count != 0) return false;
+  if (status_.moving || path_is_on_its_way()) return false;
   scales_[axis].set_position(position, board_.counts[index_of(axis)]);
   status_.position[axis] = position;
+  has_requests_ = true;  // an empty frame: what was asked for is done when it is answered
   return true;
 }
 
 void Cpu5Driver::arm_home_latch(Axis axis, LatchEdge edge) {
-  frame_.latch[index_of(axis)] = edge == LatchEdge::activate ? firmware::LatchRequest::arm_activate
-                                                             : firmware::LatchRequest::arm_release;
+  asked().latch[index_of(axis)] = edge == LatchEdge::activate ? firmware::LatchRequest::arm_activate
+                                                              : firmware::LatchRequest::arm_release;
   status_.home_latch[axis] = {.armed = true};
+  latch_frame_[axis] = port_->frames_sent() + 1;
+  has_requests_ = true;
 }
 
 void Cpu5Driver::disarm_home_latch(Axis axis) {
-  frame_.latch[index_of(axis)] = firmware::LatchRequest::disarm;
+  asked().latch[index_of(axis)] = firmware::LatchRequest::disarm;
   status_.home_latch[axis].armed = false;
+  latch_frame_[axis] = port_->frames_sent() + 1;
+  has_requests_ = true;
 }
 
 void Cpu5Driver::arm_probe_latch() {
-  frame_.probe = firmware::ProbeRequest::arm;
+  asked().probe = firmware::ProbeRequest::arm;
   status_.probe_latch = {.armed = true};
+  probe_frame_ = port_->frames_sent() + 1;
+  has_requests_ = true;
 }
 
 void Cpu5Driver::disarm_probe_latch() {
-  frame_.probe = firmware::ProbeRequest::disarm;
+  asked().probe = firmware::ProbeRequest::disarm;
   status_.probe_latch.armed = false;
+  probe_frame_ = port_->frames_sent() + 1;
+  has_requests_ = true;
 }
 
 // --- status --------------------------------------------------------------------------------------
@@ -250,8 +353,10 @@ void Cpu5Driver::read_status() {
 }
 
 // A caught count is converted once, when it is first seen: a later set_position() must not move it.
+// What the board says from before the last arming is about an earlier one.
 void Cpu5Driver::read_latches() {
   for (const Axis axis : kAllAxes) {
+    if (status_.frames_done < latch_frame_[axis]) continue;
     const firmware::HomeLatch& caught = board_.home_latch[index_of(axis)];
     Latch& latch = status_.home_latch[axis];
     if (caught.caught && !latch.caught) latch.position = scales_[axis].position_of(caught.count);
@@ -261,6 +366,7 @@ void Cpu5Driver::read_latches() {
 }
 
 void Cpu5Driver::read_probe_latch() {
+  if (status_.frames_done < probe_frame_) return;
   const firmware::ProbeLatch& board = board_.probe_latch;
   ProbeLatch& latch = status_.probe_latch;
   if (board.caught && !latch.caught) latch.position = position_of(board.counts);

@@ -1,9 +1,13 @@
 // The CPU5 board as a Controller: machine coordinates to steps and ticks, status back.
 //
-// Requests are collected in one frame and leave with the next exchange(), in the order quick
-// stop, clear, release, stop along the path, latches, outputs, segments and a cut among them. After
-// a fault the board keeps its outputs safe: only set_outputs() called after clear_faults(), in the
-// same exchange or later, switches anything on again.
+// Requests are collected and leave with the next exchange(), in the order quick stop, clear,
+// release, stop along the path, latches, outputs, segments and a cut among them; in as many frames
+// as the segments need, and later when the line is full. After a fault the board keeps its outputs
+// safe: only set_outputs() called after clear_faults(), in the same exchange or later, switches
+// anything on again.
+//
+// The status is that of a moment ago: frames that are still on their way are counted here as if the
+// board had them, where that is the cautious thing to do.
 #pragma once
 
 #include <memory>
@@ -33,6 +37,9 @@ class Cpu5Driver : public Controller {
   Result<Capabilities> connect() override;
   void disconnect() override;
   const ControllerStatus& exchange(double now) override;
+  [[nodiscard]] std::uint64_t next_frame() const override {
+    return port_->frames_sent() + outbox_count_;
+  }
 
   [[nodiscard]] std::size_t free_segments() const override;
   std::size_t push(std::span<const Segment> segments) override;
@@ -51,14 +58,36 @@ class Cpu5Driver : public Controller {
   void disarm_probe_latch() override;
 
  private:
+  /// What counts of a frame until the board has answered it.
+  struct OnItsWay {
+    bool empties_fifo = false;
+    bool has_cut = false;
+    std::uint32_t cut_behind = 0;
+    std::uint32_t segments_before_cut = 0;
+    std::uint32_t segments = 0;
+  };
+  static constexpr std::size_t kMostOnTheirWay = 64;
+  /// The largest FIFO, and a cut.
+  static constexpr std::size_t kOutbox = firmware::kFifoCapacity / firmware::kSegmentsPerFrame + 3;
+
   [[nodiscard]] Result<void> check_axes() const;
   [[nodiscard]] firmware::Setup setup() const;
   [[nodiscard]] firmware::Segment to_board(const Segment& segment);
   void drop_segments();
-  [[nodiscard]] std::uint32_t most_kept_by_cut() const;
+  [[nodiscard]] firmware::HostFrame& asked() { return outbox_[0]; }
+  [[nodiscard]] firmware::HostFrame& last_frame() { return outbox_[outbox_count_ - 1]; }
+  bool begin_frame();
+  void send_frames();
+  void empty_outbox();
+  void take(const BoardAnswer& answer);
+  void begin_session(const BoardAnswer& answer);
+  [[nodiscard]] static OnItsWay summary_of(const firmware::HostFrame& frame);
+  template <typename Visit>
+  void for_each_on_its_way(Visit visit) const;
   void read_status();
   void read_latches();
   void read_probe_latch();
+  [[nodiscard]] bool path_is_on_its_way() const;
   [[nodiscard]] Position position_of(const firmware::PerAxis<std::int64_t>& counts) const;
 
   AxisArray<config::AxisConfig> axes_;
@@ -66,8 +95,17 @@ class Cpu5Driver : public Controller {
   std::unique_ptr<BoardPort> port_;
   AxisArray<MotorScale> scales_;
   TickClock clock_;
-  firmware::HostFrame frame_;  // goes out with the next exchange
-  firmware::Status board_;     // as last heard
+  std::uint32_t fifo_capacity_ = 0;
+  // What goes out with the next exchange: the first frame has the requests, all have segments.
+  std::array<firmware::HostFrame, kOutbox> outbox_;
+  std::size_t outbox_count_ = 1;
+  bool has_requests_ = false;
+  std::array<OnItsWay, kMostOnTheirWay> on_their_way_;  // by number
+  firmware::Status board_;                              // as last heard
+  std::uint32_t greetings_ = 0;
+  AxisArray<std::uint64_t> latch_frame_{};  // in which a latch was armed or disarmed last
+  std::uint64_t probe_frame_ = 0;
+  std::uint64_t clear_frame_ = 0;
   ControllerStatus status_;
 };
 

@@ -43,6 +43,16 @@ void Core::host_alive() {
   host_heard_ = time_given_;
 }
 
+void Core::host_left() {
+  host_known_ = false;
+  if (moving()) {
+    fail(kLinkLost);
+  } else {
+    outputs_ = safe_outputs();
+    io_.set_outputs(outputs_);
+  }
+}
+
 bool Core::push(const Segment& segment) {
   if (faults_ != 0 || path_stop_ == PathStop::stopped || cut_late_ || fifo_.free() == 0) {
     return false;
@@ -230,8 +240,12 @@ void Core::fail(FaultBits fault) {
   if ((faults_ & fault) != 0) return;
   faults_ = static_cast<FaultBits>(faults_ | fault);
   stop_pulses();
-  outputs_ = Outputs{.drives_enabled = outputs_.drives_enabled && !setup_.drives_off_on_fault};
+  outputs_ = safe_outputs();
   io_.set_outputs(outputs_);
+}
+
+Outputs Core::safe_outputs() const {
+  return {.drives_enabled = outputs_.drives_enabled && !setup_.drives_off_on_fault};
 }
 
 Status Core::status() const {

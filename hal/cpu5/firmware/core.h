@@ -59,6 +59,10 @@ class Core {
 
   /// The host was heard; it counts from the first call on.
   void host_alive();
+  /// It has said that it goes: outputs become safe, and a motion is stopped as for a silent host.
+  void host_left();
+  [[nodiscard]] Ticks time() const { return time_given_; }
+  [[nodiscard]] bool moving() const { return executing_ || !fifo_.empty(); }
 
   /// False when the segment was not taken: FIFO full, fault pending, stopped along the path, or bad
   /// (which is a fault then).
@@ -113,6 +117,7 @@ class Core {
   void complete_stop();
   void stop_pulses();
   void fail(FaultBits fault);
+  [[nodiscard]] Outputs safe_outputs() const;
 
   BoardIo& io_;
   Setup setup_;

@@ -42,6 +42,10 @@ void HostFrame::reset() {
   stop_along_path = false;
   latch = {};
   probe = ProbeRequest::none;
+  drop_path_and_outputs();
+}
+
+void HostFrame::drop_path_and_outputs() {
   has_outputs = false;
   has_cut = false;
   segment_count = 0;
@@ -59,7 +63,7 @@ void execute(const HostFrame& frame, Core& core) {
   execute_probe(frame.probe, core);
   if (frame.has_outputs) core.set_outputs(frame.outputs);
   const std::uint32_t count =
-      frame.segment_count < kFifoCapacity ? frame.segment_count : kFifoCapacity;
+      frame.segment_count < kSegmentsPerFrame ? frame.segment_count : kSegmentsPerFrame;
   const std::uint32_t before_cut = frame.has_cut ? frame.segments_before_cut : count;
   push_segments(frame, 0, before_cut, core);
   if (!frame.has_cut) return;

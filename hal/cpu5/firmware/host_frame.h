@@ -5,6 +5,9 @@
 
 namespace cnc::hal::cpu5::firmware {
 
+/// A frame with six moving axes and all requests still fits a packet of the wire.
+inline constexpr std::uint32_t kSegmentsPerFrame = 15;
+
 enum class LatchRequest : std::uint8_t { none, arm_activate, arm_release, disarm };
 enum class ProbeRequest : std::uint8_t { none, arm, disarm };
 
@@ -23,8 +26,12 @@ struct HostFrame {
   std::uint32_t cut_behind = 0;           ///< id of the last segment to be kept
   std::uint32_t segments_before_cut = 0;  ///< of `segments`; the others belong to the new path
   std::uint32_t segment_count = 0;
-  std::array<Segment, kFifoCapacity> segments;  ///< only the first segment_count are meant
+  std::array<Segment, kSegmentsPerFrame> segments;  ///< only the first segment_count are meant
 
+  /// What a quick stop leaves of a frame that was under way: it moves and switches nothing.
+  void drop_path_and_outputs();
+  /// Whether it empties the board's FIFO before its segments.
+  [[nodiscard]] bool empties_fifo() const { return quick_stop || clear_faults || release_stop; }
   /// Back to a frame that asks for nothing; the segments' memory is left as it is.
   void reset();
 };

@@ -1,0 +1,98 @@
+// A board behind a line that may lose, delay, double, reorder or damage packets.
+//
+// Frames are numbered and kept until the board has answered that it has executed them; up to a
+// window of them are on their way at once. One is sent again when its answer is overdue by what
+// round trips have taken lately, or when later ones have come through. Every exchange sends
+// something, so that the board hears the host and the host the board.
+//
+// A board that is silent for longer than the time-out, or does not know the session (it was reset,
+// or another host has it), is lost: what is on its way is void, and the port greets until it is
+// welcome again.
+#pragma once
+
+#include <array>
+#include <memory>
+
+#include "hal/cpu5/driver/board_port.h"
+#include "hal/cpu5/driver/packet_channel.h"
+
+namespace cnc::hal::cpu5 {
+
+struct WireSettings {
+  double silence = 0.25;       ///< s after which the board counts as lost
+  double poll_interval = 0.0;  ///< s, without frames to be sent; 0: in every exchange
+};
+
+class WirePort : public BoardPort {
+ public:
+  WirePort(std::unique_ptr<PacketChannel> channel, const WireSettings& settings);
+
+  Result<wire::Identity> open(const firmware::Setup& setup) override;
+  void close() override;
+  [[nodiscard]] bool ready() const override;
+  void send(const firmware::HostFrame& frame) override;
+  [[nodiscard]] std::uint64_t frames_sent() const override { return frames_sent_; }
+  void quick_stop() override;
+  void receive(double now) override;
+  const BoardAnswer& exchange() override;
+
+ private:
+  static constexpr std::uint32_t kWindow = 8;
+
+  enum class State : std::uint8_t { closed, greeting, running };
+
+  /// A frame that is not known to have been executed.
+  struct Sent {
+    std::array<std::uint8_t, wire::kMaxPacket> memory;
+    std::size_t size = 0;
+    double at = 0.0;  ///< when it was last sent
+    std::uint32_t times = 0;
+  };
+
+  void greet();
+  void receive_all();
+  void take(std::span<const std::uint8_t> packet);
+  void take_welcome(wire::ByteReader& body);
+  void take_refusal(wire::ByteReader& body);
+  void take_status(wire::ByteReader& body);
+  void take_round_trip(std::uint32_t stamp);
+  void send_what_is_due();
+  void send_again(Sent& frame);
+  void poll();
+  void note_asking();
+  void lose_link();
+  [[nodiscard]] std::uint32_t stamp() const;
+  [[nodiscard]] std::uint32_t on_their_way() const { return sequence_ - executed_; }
+  [[nodiscard]] Error no_answer() const;
+
+  std::unique_ptr<PacketChannel> channel_;
+  WireSettings settings_;
+  firmware::Setup setup_;
+  State state_ = State::closed;
+  double now_ = 0.0;
+  double greeted_at_ = -1.0;
+  std::optional<double> unanswered_since_;  // when the first packet after the last answer was sent
+
+  std::uint32_t session_ = 0;
+  std::uint32_t boot_ = 0;
+  bool boot_known_ = false;
+  wire::Identity identity_;
+  std::optional<wire::Refusal> refusal_;  // the last answer to a greeting
+
+  std::array<Sent, kWindow> frames_;  // by number
+  std::uint32_t window_ = 0;          // what board and port both have room for
+  std::uint32_t sequence_ = 0;        // of the last frame sent
+  std::uint32_t executed_ = 0;
+  std::uint32_t waiting_ = 0;  // on the board, as in StatusNumbers
+  std::uint32_t newest_answer_ = 0;
+  std::uint32_t stops_ = 0;
+  double sent_at_ = 0.0;  // anything
+  std::uint64_t frames_sent_ = 0;
+  double smoothed_trip_ = 0.0;  // s
+  double trip_deviation_ = 0.0;
+
+  firmware::Status status_;  // being read
+  BoardAnswer answer_;
+};
+
+}  // namespace cnc::hal::cpu5

@@ -1,0 +1,385 @@
+#include "hal/cpu5/wire/messages.h"
+
+#include <limits>
+
+namespace cnc::hal::cpu5::wire {
+
+using firmware::Edge;
+using firmware::HomeLatch;
+using firmware::HostFrame;
+using firmware::Inputs;
+using firmware::kAxisCount;
+using firmware::LatchRequest;
+using firmware::Outputs;
+using firmware::PathStop;
+using firmware::ProbeLatch;
+using firmware::ProbeRequest;
+using firmware::Segment;
+using firmware::Setup;
+using firmware::Status;
+
+namespace {
+
+[[nodiscard]] bool complete(const ByteReader& body) { return !body.bad() && body.at_end(); }
+
+/// A number that stands for one of `count` things.
+template <typename Enum>
+[[nodiscard]] Enum get_one_of(ByteReader& body, std::uint8_t count) {
+  const auto value = body.get<std::uint8_t>();
+  if (value >= count) body.refuse();
+  return static_cast<Enum>(value);
+}
+
+/// Truths in the bits of one byte, the first one lowest.
+template <typename... Bools>
+void put_bits(ByteWriter& body, Bools... values) {
+  std::uint8_t bits = 0;
+  std::uint8_t bit = 1;
+  ((bits = static_cast<std::uint8_t>(bits | (values ? bit : 0)),
+    bit = static_cast<std::uint8_t>(bit << 1)),
+   ...);
+  body.put(bits);
+}
+
+template <typename... Bools>
+void get_bits(ByteReader& body, Bools&... values) {
+  auto bits = body.get<std::uint8_t>();
+  ((values = (bits & 1U) != 0, bits = static_cast<std::uint8_t>(bits >> 1)), ...);
+  if (bits != 0) body.refuse();
+}
+
+template <typename T, std::size_t kSize>
+void put_all(ByteWriter& body, const std::array<T, kSize>& values) {
+  for (const T value : values) body.put(value);
+}
+
+template <typename T, std::size_t kSize>
+void get_all(ByteReader& body, std::array<T, kSize>& values) {
+  for (T& value : values) value = body.get<T>();
+}
+
+// --- outputs and inputs --------------------------------------------------------------------------
+
+void put_outputs(ByteWriter& body, const Outputs& outputs) {
+  put_bits(body, outputs.drives_enabled, outputs.spindle_on, outputs.tool_direction, outputs.mist,
+           outputs.flood);
+  body.put(outputs.spindle_pwm);
+  body.put(outputs.ports);
+  put_all(body, outputs.pwm);
+}
+
+void get_outputs(ByteReader& body, Outputs& outputs) {
+  get_bits(body, outputs.drives_enabled, outputs.spindle_on, outputs.tool_direction, outputs.mist,
+           outputs.flood);
+  outputs.spindle_pwm = body.get<std::uint32_t>();
+  outputs.ports = body.get<firmware::PortBits>();
+  get_all(body, outputs.pwm);
+  bool in_range =
+      outputs.spindle_pwm <= Outputs::kFullPwm && (outputs.ports >> firmware::kPortCount) == 0;
+  for (const std::uint32_t pwm : outputs.pwm) in_range = in_range && pwm <= Outputs::kFullPwm;
+  if (!in_range) body.refuse();
+}
+
+void put_inputs(ByteWriter& body, const Inputs& inputs) {
+  body.put(inputs.home);
+  put_bits(body, inputs.estop1, inputs.estop2, inputs.external_error, inputs.probe, inputs.sync,
+           inputs.hand_wheel_a, inputs.hand_wheel_b);
+  body.put(inputs.ports);
+  put_all(body, inputs.analog);
+  body.put(inputs.hand_wheel_count);
+  body.put(inputs.index_count);
+  body.put(inputs.index_time);
+}
+
+void get_inputs(ByteReader& body, Inputs& inputs) {
+  inputs.home = body.get<std::uint8_t>();
+  get_bits(body, inputs.estop1, inputs.estop2, inputs.external_error, inputs.probe, inputs.sync,
+           inputs.hand_wheel_a, inputs.hand_wheel_b);
+  inputs.ports = body.get<firmware::PortBits>();
+  get_all(body, inputs.analog);
+  inputs.hand_wheel_count = body.get<std::int32_t>();
+  inputs.index_count = body.get<std::uint32_t>();
+  inputs.index_time = body.get<firmware::Ticks>();
+}
+
+}  // namespace
+
+// --- greeting ------------------------------------------------------------------------------------
+
+void put_identity(ByteWriter& body, const Identity& identity) {
+  body.put(identity.serial);
+  body.put(identity.boot);
+  body.put(identity.in_session);
+  for (const char letter : identity.name) body.put(static_cast<std::uint8_t>(letter));
+  body.put(identity.max_step_frequency);
+  body.put(identity.fifo_capacity);
+  body.put(identity.axes);
+  body.put(identity.window);
+  body.put(identity.features);
+}
+
+bool get_identity(ByteReader& body, Identity& identity) {
+  identity.serial = body.get<std::uint64_t>();
+  identity.boot = body.get<std::uint32_t>();
+  identity.in_session = body.get_bool();
+  for (char& letter : identity.name) letter = static_cast<char>(body.get<std::uint8_t>());
+  identity.max_step_frequency = body.get<std::uint32_t>();
+  identity.fifo_capacity = body.get<std::uint16_t>();
+  identity.axes = body.get<std::uint8_t>();
+  identity.window = body.get<std::uint8_t>();
+  identity.features = body.get<std::uint32_t>();
+  return complete(body);
+}
+
+void put_refusal(ByteWriter& body, const Refusal& refusal) {
+  body.put(static_cast<std::uint8_t>(refusal.reason));
+  body.put(refusal.lowest_version);
+  body.put(refusal.highest_version);
+  body.put(refusal.boot);
+}
+
+bool get_refusal(ByteReader& body, Refusal& refusal) {
+  refusal.reason = static_cast<RefusalReason>(body.get<std::uint8_t>());
+  refusal.lowest_version = body.get<std::uint8_t>();
+  refusal.highest_version = body.get<std::uint8_t>();
+  refusal.boot = body.get<std::uint32_t>();
+  return complete(body);
+}
+
+void put_setup(ByteWriter& body, const Setup& setup) {
+  body.put(setup.max_velocity);
+  body.put(setup.host_timeout);
+  body.put(setup.index_timeout);
+  body.put(setup.drives_off_on_fault);
+  put_all(body, setup.max_acceleration);
+}
+
+bool get_setup(ByteReader& body, Setup& setup) {
+  setup.max_velocity = body.get<firmware::StepVelocity>();
+  setup.host_timeout = body.get<firmware::Ticks>();
+  setup.index_timeout = body.get<firmware::Ticks>();
+  setup.drives_off_on_fault = body.get_bool();
+  get_all(body, setup.max_acceleration);
+  return complete(body);
+}
+
+// --- frames --------------------------------------------------------------------------------------
+
+void put_numbers(ByteWriter& body, const FrameNumbers& numbers) {
+  body.put(numbers.sequence);
+  body.put(numbers.stops);
+  body.put(numbers.stamp);
+}
+
+FrameNumbers get_frame_numbers(ByteReader& body) {
+  FrameNumbers numbers;
+  numbers.sequence = body.get<std::uint32_t>();
+  numbers.stops = body.get<std::uint32_t>();
+  numbers.stamp = body.get<std::uint32_t>();
+  return numbers;
+}
+
+namespace {
+
+// A segment's first word: duration in the lower bits, these above.
+constexpr std::uint32_t kWaitForIndex = 1U << 31;
+constexpr std::uint32_t kHasSpindlePeriod = 1U << 30;
+constexpr std::uint32_t kDurationMask = kHasSpindlePeriod - 1;
+
+/// What does not fit becomes a velocity that the board refuses.
+[[nodiscard]] std::int32_t narrowed(firmware::StepVelocity velocity) {
+  constexpr std::int32_t kMost = std::numeric_limits<std::int32_t>::max();
+  static_assert(firmware::kTopVelocity < kMost);
+  return velocity > kMost || velocity < -kMost ? kMost : static_cast<std::int32_t>(velocity);
+}
+
+/// `before`: the segment before it in the same frame; null: every axis is written.
+void put_segment(ByteWriter& body, const Segment& segment, const Segment* before) {
+  body.put(segment.id);
+  body.put((segment.duration & kDurationMask) | (segment.wait_for_index ? kWaitForIndex : 0) |
+           (segment.spindle_period != 0 ? kHasSpindlePeriod : 0));
+  if (segment.spindle_period != 0) body.put(segment.spindle_period);
+  std::uint8_t written = 0;
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    const bool stands = before != nullptr && segment.velocity[axis] == 0 &&
+                        segment.position[axis] == before->position[axis];
+    if (!stands) written = static_cast<std::uint8_t>(written | firmware::axis_bit(axis));
+  }
+  body.put(written);
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    if ((written & firmware::axis_bit(axis)) == 0) continue;
+    body.put(segment.position[axis]);
+    body.put(narrowed(segment.velocity[axis]));
+  }
+}
+
+void get_segment(ByteReader& body, Segment& segment, const Segment* before) {
+  segment.id = body.get<std::uint32_t>();
+  const auto word = body.get<std::uint32_t>();
+  segment.duration = word & kDurationMask;
+  segment.wait_for_index = (word & kWaitForIndex) != 0;
+  segment.spindle_period =
+      (word & kHasSpindlePeriod) != 0 ? body.get<std::uint32_t>() : std::uint32_t{0};
+  const auto written = body.get<std::uint8_t>();
+  if ((written >> kAxisCount) != 0 || (before == nullptr && written != (1U << kAxisCount) - 1)) {
+    body.refuse();
+    return;
+  }
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    if ((written & firmware::axis_bit(axis)) != 0) {
+      segment.position[axis] = body.get<firmware::StepPosition>();
+      segment.velocity[axis] = body.get<std::int32_t>();
+    } else {
+      segment.position[axis] = before->position[axis];
+      segment.velocity[axis] = 0;
+    }
+  }
+}
+
+[[nodiscard]] const Segment* segment_before(const HostFrame& frame, std::uint32_t index) {
+  const bool first_of_path = index == 0 || (frame.has_cut && index == frame.segments_before_cut);
+  return first_of_path ? nullptr : &frame.segments[index - 1];
+}
+
+}  // namespace
+
+void put_frame(ByteWriter& body, const HostFrame& frame) {
+  put_bits(body, frame.quick_stop, frame.clear_faults, frame.release_stop, frame.stop_along_path,
+           frame.has_outputs, frame.has_cut);
+  for (const LatchRequest request : frame.latch) body.put(static_cast<std::uint8_t>(request));
+  body.put(static_cast<std::uint8_t>(frame.probe));
+  if (frame.has_outputs) put_outputs(body, frame.outputs);
+  if (frame.has_cut) {
+    body.put(frame.cut_behind);
+    body.put(static_cast<std::uint8_t>(frame.segments_before_cut));
+  }
+  body.put(static_cast<std::uint8_t>(frame.segment_count));
+  for (std::uint32_t i = 0; i < frame.segment_count; ++i) {
+    put_segment(body, frame.segments[i], segment_before(frame, i));
+  }
+}
+
+bool get_frame(ByteReader& body, HostFrame& frame) {
+  get_bits(body, frame.quick_stop, frame.clear_faults, frame.release_stop, frame.stop_along_path,
+           frame.has_outputs, frame.has_cut);
+  for (LatchRequest& request : frame.latch) request = get_one_of<LatchRequest>(body, 4);
+  frame.probe = get_one_of<ProbeRequest>(body, 3);
+  if (frame.has_outputs) get_outputs(body, frame.outputs);
+  frame.segments_before_cut = 0;
+  if (frame.has_cut) {
+    frame.cut_behind = body.get<std::uint32_t>();
+    frame.segments_before_cut = body.get<std::uint8_t>();
+  }
+  frame.segment_count = body.get<std::uint8_t>();
+  if (frame.segment_count > firmware::kSegmentsPerFrame ||
+      frame.segments_before_cut > frame.segment_count) {
+    return false;
+  }
+  for (std::uint32_t i = 0; i < frame.segment_count && !body.bad(); ++i) {
+    get_segment(body, frame.segments[i], segment_before(frame, i));
+  }
+  return complete(body);
+}
+
+// --- status --------------------------------------------------------------------------------------
+
+namespace {
+
+// Of what may be there or not.
+constexpr std::uint8_t kProbeLatch = 1U << kAxisCount;
+
+[[nodiscard]] bool tells_something(const HomeLatch& latch) { return latch.armed || latch.caught; }
+[[nodiscard]] bool tells_something(const ProbeLatch& latch) {
+  return latch.armed || latch.caught || latch.active_at_arming;
+}
+
+void put_latches(ByteWriter& body, const Status& status) {
+  std::uint8_t present = 0;
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    if (tells_something(status.home_latch[axis])) {
+      present = static_cast<std::uint8_t>(present | firmware::axis_bit(axis));
+    }
+  }
+  const bool probe = tells_something(status.probe_latch);
+  body.put(static_cast<std::uint8_t>(present | (probe ? kProbeLatch : 0)));
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    if ((present & firmware::axis_bit(axis)) == 0) continue;
+    const HomeLatch& latch = status.home_latch[axis];
+    put_bits(body, latch.armed, latch.caught, latch.edge == Edge::release);
+    body.put(latch.count);
+  }
+  if (!probe) return;
+  const ProbeLatch& latch = status.probe_latch;
+  put_bits(body, latch.armed, latch.caught, latch.active_at_arming);
+  put_all(body, latch.counts);
+}
+
+void get_latches(ByteReader& body, Status& status) {
+  const auto present = body.get<std::uint8_t>();
+  if (present >= 2 * kProbeLatch) body.refuse();
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    HomeLatch& latch = status.home_latch[axis];
+    latch = {};
+    if ((present & firmware::axis_bit(axis)) == 0) continue;
+    bool release = false;
+    get_bits(body, latch.armed, latch.caught, release);
+    latch.edge = release ? Edge::release : Edge::activate;
+    latch.count = body.get<std::int64_t>();
+  }
+  ProbeLatch& latch = status.probe_latch;
+  latch = {};
+  if ((present & kProbeLatch) == 0) return;
+  get_bits(body, latch.armed, latch.caught, latch.active_at_arming);
+  get_all(body, latch.counts);
+}
+
+}  // namespace
+
+void put_status(ByteWriter& body, const StatusNumbers& numbers, const Status& status) {
+  body.put(numbers.answer);
+  body.put(numbers.executed);
+  body.put(numbers.waiting);
+  body.put(numbers.stamp);
+  body.put(status.time);
+  body.put(status.faults);
+  body.put(status.executing_id);
+  body.put(static_cast<std::uint32_t>(status.executing_elapsed));
+  body.put(static_cast<std::uint32_t>(status.executing_duration));
+  body.put(static_cast<std::uint16_t>(status.fifo_count));
+  body.put(static_cast<std::uint16_t>(status.fifo_free));
+  body.put(status.queued_time);
+  put_bits(body, status.moving, status.cut_late);
+  body.put(static_cast<std::uint8_t>(status.path_stop));
+  put_all(body, status.counts);
+  put_inputs(body, status.inputs);
+  body.put(status.spindle_period);
+  body.put(static_cast<std::uint32_t>(status.time_scale));
+  put_outputs(body, status.outputs);
+  put_latches(body, status);
+}
+
+bool get_status(ByteReader& body, StatusNumbers& numbers, Status& status) {
+  numbers.answer = body.get<std::uint32_t>();
+  numbers.executed = body.get<std::uint32_t>();
+  numbers.waiting = body.get<std::uint32_t>();
+  numbers.stamp = body.get<std::uint32_t>();
+  status.time = body.get<firmware::Ticks>();
+  status.faults = body.get<firmware::FaultBits>();
+  status.executing_id = body.get<std::uint32_t>();
+  status.executing_elapsed = body.get<std::uint32_t>();
+  status.executing_duration = body.get<std::uint32_t>();
+  status.fifo_count = body.get<std::uint16_t>();
+  status.fifo_free = body.get<std::uint16_t>();
+  status.queued_time = body.get<firmware::Ticks>();
+  get_bits(body, status.moving, status.cut_late);
+  status.path_stop = get_one_of<PathStop>(body, 3);
+  get_all(body, status.counts);
+  get_inputs(body, status.inputs);
+  status.spindle_period = body.get<firmware::Ticks>();
+  status.time_scale = body.get<std::uint32_t>();
+  get_outputs(body, status.outputs);
+  get_latches(body, status);
+  return complete(body);
+}
+
+}  // namespace cnc::hal::cpu5::wire
