@@ -1,0 +1,81 @@
+#include "hal/cpu5/driver/serial_channel.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+namespace cnc::hal::cpu5 {
+
+using boost::asio::serial_port;
+using boost::asio::serial_port_base;
+using boost::system::error_code;
+
+SerialChannel::SerialChannel(std::string device, unsigned rate)
+    : device_(std::move(device)), rate_(rate), port_(context_) {}
+
+Result<void> SerialChannel::open() {
+  close();
+  error_code wrong;
+  // Asio opens with raw characters: no echo, no translation.
+  port_.open(device_, wrong);
+  if (!wrong) port_.set_option(serial_port_base::baud_rate(rate_), wrong);
+  if (!wrong) port_.set_option(serial_port_base::character_size(8), wrong);
+  if (!wrong) port_.set_option(serial_port_base::parity(serial_port_base::parity::none), wrong);
+  if (!wrong)
+    port_.set_option(serial_port_base::stop_bits(serial_port_base::stop_bits::one), wrong);
+  if (!wrong) {
+    port_.set_option(serial_port_base::flow_control(serial_port_base::flow_control::none), wrong);
+  }
+  if (wrong) {
+    close();
+    return fail(ErrorCode::board_line_unusable,
+                fmt::format("{} cannot be used: {}. It has to be a serial line that this user may "
+                            "read and write (group dialout).",
+                            name(), wrong.message()));
+  }
+  const int flags = ::fcntl(port_.native_handle(), F_GETFL);
+  ::fcntl(port_.native_handle(), F_SETFL, flags | O_NONBLOCK);
+  reader_ = {};
+  read_place_ = read_size_ = write_place_ = write_size_ = 0;
+  return {};
+}
+
+void SerialChannel::close() {
+  error_code ignored;
+  port_.close(ignored);
+}
+
+/// While the line has not taken the whole packet before, this one is lost.
+void SerialChannel::send(std::span<const std::uint8_t> packet) {
+  if (!port_.is_open()) return;
+  write_rest();
+  if (write_place_ < write_size_) return;
+  write_size_ = wire::write_cobs(packet, written_);
+  write_place_ = 0;
+  write_rest();
+}
+
+void SerialChannel::write_rest() {
+  while (write_place_ < write_size_) {
+    const auto taken =
+        ::write(port_.native_handle(), written_.data() + write_place_, write_size_ - write_place_);
+    if (taken <= 0) return;
+    write_place_ += static_cast<std::size_t>(taken);
+  }
+}
+
+std::span<const std::uint8_t> SerialChannel::receive() {
+  if (!port_.is_open()) return {};
+  write_rest();
+  for (;;) {
+    while (read_place_ < read_size_) {
+      if (reader_.take(read_[read_place_++])) return reader_.packet();
+    }
+    const auto size = ::read(port_.native_handle(), read_.data(), read_.size());
+    if (size <= 0) return {};
+    read_place_ = 0;
+    read_size_ = static_cast<std::size_t>(size);
+  }
+}
+
+}  // namespace cnc::hal::cpu5

@@ -1,0 +1,41 @@
+// Packets over a serial line or USB, stuffed (wire/cobs.h).
+#pragma once
+
+#include <array>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/serial_port.hpp>
+
+#include "hal/cpu5/driver/packet_channel.h"
+#include "hal/cpu5/wire/cobs.h"
+#include "hal/cpu5/wire/packet.h"
+
+namespace cnc::hal::cpu5 {
+
+class SerialChannel final : public PacketChannel {
+ public:
+  /// `device`: /dev/ttyACM0. The rate counts for a line with wires only, not for USB.
+  explicit SerialChannel(std::string device, unsigned rate = 921'600);
+
+  Result<void> open() override;
+  void close() override;
+  void send(std::span<const std::uint8_t> packet) override;
+  std::span<const std::uint8_t> receive() override;
+  [[nodiscard]] std::string name() const override { return "serial:" + device_; }
+
+ private:
+  void write_rest();
+
+  std::string device_;
+  unsigned rate_;
+  boost::asio::io_context context_;
+  boost::asio::serial_port port_;
+  wire::CobsReader<wire::kMaxPacket> reader_;
+  std::array<std::uint8_t, 4096> read_{};
+  std::size_t read_place_ = 0;
+  std::size_t read_size_ = 0;
+  std::array<std::uint8_t, wire::cobs_size(wire::kMaxPacket)> written_{};
+  std::size_t write_place_ = 0;  // what the line has not taken yet
+  std::size_t write_size_ = 0;
+};
+
+}  // namespace cnc::hal::cpu5
