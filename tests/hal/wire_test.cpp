@@ -1,0 +1,260 @@
+// Packets to bytes and back: what goes in comes out, and nothing else gets through.
+#include <catch2/catch.hpp>
+#include <random>
+
+#include "hal/cpu5/wire/cobs.h"
+#include "hal/cpu5/wire/crc32.h"
+#include "hal/cpu5/wire/messages.h"
+
+using namespace cnc::hal::cpu5;
+using namespace cnc::hal::cpu5::wire;
+
+namespace {
+
+using Bytes = std::vector<std::uint8_t>;
+
+Bytes random_bytes(std::mt19937& random, std::size_t size, unsigned zeros) {
+  Bytes bytes(size);
+  for (auto& byte : bytes) {
+    byte = random() % 100 < zeros ? std::uint8_t{0} : static_cast<std::uint8_t>(random());
+  }
+  return bytes;
+}
+
+template <typename T>
+T any(std::mt19937& random) {
+  return static_cast<T>((std::uint64_t{random()} << 32) | random());
+}
+
+/// Less than `end`.
+std::uint32_t below(std::mt19937& random, std::uint64_t end) {
+  return static_cast<std::uint32_t>(random() % end);
+}
+
+firmware::Outputs random_outputs(std::mt19937& random) {
+  firmware::Outputs outputs;
+  outputs.drives_enabled = any<bool>(random);
+  outputs.mist = random() % 2 == 0;
+  outputs.spindle_pwm = below(random, firmware::Outputs::kFullPwm + 1);
+  outputs.ports = any<std::uint64_t>(random) >> (64 - firmware::kPortCount);
+  for (auto& pwm : outputs.pwm) pwm = below(random, firmware::Outputs::kFullPwm + 1);
+  return outputs;
+}
+
+firmware::HostFrame random_frame(std::mt19937& random) {
+  firmware::HostFrame frame;
+  frame.quick_stop = random() % 2 == 0;
+  frame.release_stop = random() % 2 == 0;
+  for (auto& request : frame.latch) request = static_cast<firmware::LatchRequest>(random() % 4);
+  frame.probe = static_cast<firmware::ProbeRequest>(random() % 3);
+  frame.has_outputs = random() % 2 == 0;
+  frame.outputs = random_outputs(random);
+  frame.segment_count = below(random, firmware::kSegmentsPerFrame + 1);
+  frame.has_cut = random() % 2 == 0;
+  frame.cut_behind = any<std::uint32_t>(random);
+  frame.segments_before_cut = frame.has_cut ? below(random, frame.segment_count + 1) : 0;
+  for (std::uint32_t i = 0; i < frame.segment_count; ++i) {
+    firmware::Segment& segment = frame.segments[i];
+    segment.id = any<std::uint32_t>(random);
+    segment.duration = below(random, firmware::kMaxSegmentTicks + 1);
+    segment.wait_for_index = random() % 4 == 0;
+    segment.spindle_period = random() % 4 == 0 ? any<std::uint32_t>(random) : 0;
+    for (std::size_t axis = 0; axis < firmware::kAxisCount; ++axis) {
+      const bool stands = i > 0 && random() % 2 == 0;
+      segment.position[axis] =
+          stands ? frame.segments[i - 1].position[axis] : any<std::int64_t>(random);
+      segment.velocity[axis] =
+          stands ? 0 : static_cast<std::int32_t>(any<std::uint32_t>(random) >> 3);
+    }
+  }
+  return frame;
+}
+
+firmware::Status random_status(std::mt19937& random) {
+  firmware::Status status;
+  status.time = any<std::int64_t>(random);
+  status.faults = any<std::uint16_t>(random);
+  status.executing_id = any<std::uint32_t>(random);
+  status.executing_elapsed = any<std::uint32_t>(random);
+  status.executing_duration = any<std::uint32_t>(random);
+  status.fifo_count = any<std::uint16_t>(random);
+  status.fifo_free = any<std::uint16_t>(random);
+  status.queued_time = any<std::int64_t>(random);
+  status.moving = random() % 2 == 0;
+  for (auto& count : status.counts) count = any<std::int64_t>(random);
+  status.inputs.home = any<std::uint8_t>(random);
+  status.inputs.probe = random() % 2 == 0;
+  status.inputs.ports = any<std::uint64_t>(random);
+  for (auto& analog : status.inputs.analog) analog = any<std::uint32_t>(random);
+  status.inputs.index_time = any<std::int64_t>(random);
+  status.spindle_period = any<std::int64_t>(random);
+  for (auto& latch : status.home_latch) {
+    latch = {.armed = random() % 2 == 0, .caught = random() % 2 == 0};
+    if (latch.armed || latch.caught) latch.count = any<std::int64_t>(random);
+  }
+  if (random() % 2 == 0) {
+    status.probe_latch.caught = true;
+    for (auto& count : status.probe_latch.counts) count = any<std::int64_t>(random);
+  }
+  status.path_stop = static_cast<firmware::PathStop>(random() % 3);
+  status.time_scale = any<std::uint32_t>(random);
+  status.outputs = random_outputs(random);
+  return status;
+}
+
+/// What `put` writes, whole as a packet's body would be.
+template <typename Put>
+Bytes body_of(Put put) {
+  Bytes memory(kMaxPacket - kHeaderSize - kCrcSize);
+  ByteWriter body(memory);
+  put(body);
+  REQUIRE_FALSE(body.overflow());
+  return {body.written().begin(), body.written().end()};
+}
+Bytes body_of(const firmware::HostFrame& frame) {
+  return body_of([&](ByteWriter& body) { put_frame(body, frame); });
+}
+Bytes body_of(const firmware::Status& status) {
+  return body_of([&](ByteWriter& body) { put_status(body, {}, status); });
+}
+
+bool read(const Bytes& bytes, firmware::HostFrame& frame) {
+  ByteReader body(bytes);
+  return get_frame(body, frame);
+}
+bool read(const Bytes& bytes, firmware::Status& status) {
+  ByteReader body(bytes);
+  StatusNumbers numbers;
+  return get_status(body, numbers, status);
+}
+
+/// Every shorter and longer body is refused, and every damaged one either refused or read as
+/// something that is written as it was read.
+template <typename Message>
+void require_strict(const Bytes& bytes, std::mt19937& random) {
+  Message message;
+  for (std::size_t size = 0; size < bytes.size(); ++size) {
+    CHECK_FALSE(read(Bytes(bytes.begin(), bytes.begin() + static_cast<long>(size)), message));
+  }
+  Bytes longer = bytes;
+  longer.push_back(0);
+  CHECK_FALSE(read(longer, message));
+  for (int i = 0; i < 200; ++i) {
+    Bytes damaged = bytes;
+    damaged[random() % damaged.size()] ^= static_cast<std::uint8_t>(1U << (random() % 8));
+    static_cast<void>(read(damaged, message));
+  }
+}
+
+}  // namespace
+
+TEST_CASE("The CRC is that of Ethernet", "[hal][LNK-9]") {
+  // The check value that every catalogue of CRCs gives for CRC-32.
+  const std::string digits = "123456789";
+  CHECK(crc32(Bytes(digits.begin(), digits.end())) == 0xCBF43926);
+  CHECK(crc32({}) == 0);
+}
+
+TEST_CASE("What is stuffed for a serial line comes out as it was, and holds no zero",
+          "[hal][LNK-9]") {
+  std::mt19937 random(1);
+  for (const std::size_t size : {1U, 2U, 253U, 254U, 255U, 256U, 508U, 509U, 1400U}) {
+    for (const unsigned zeros : {0U, 1U, 50U, 100U}) {
+      CAPTURE(size, zeros);
+      const Bytes packet = random_bytes(random, size, zeros);
+      Bytes line(cobs_size(size));
+      const std::size_t written = write_cobs(packet, line);
+      REQUIRE(written <= line.size());
+      CHECK(std::count(line.begin(), line.begin() + static_cast<long>(written), 0) == 1);
+      CobsReader<1400> reader;
+      std::size_t packets = 0;
+      for (std::size_t i = 0; i < written; ++i) packets += reader.take(line[i]) ? 1U : 0U;
+      REQUIRE(packets == 1);
+      CHECK(Bytes(reader.packet().begin(), reader.packet().end()) == packet);
+    }
+  }
+}
+
+TEST_CASE("A serial line that lost or invented bytes is in step again with the next packet",
+          "[hal][LNK-9]") {
+  std::mt19937 random(2);
+  CobsReader<1400> reader;
+  for (int i = 0; i < 500; ++i) {
+    const Bytes packet = random_bytes(random, 1 + random() % 1400, 5);
+    Bytes line(cobs_size(packet.size()));
+    line.resize(write_cobs(packet, line));
+    Bytes bad = line;
+    bad.resize(random() % bad.size());
+    for (auto& byte : bad) byte ^= random() % 50 == 0 ? std::uint8_t{0x55} : std::uint8_t{0};
+    for (const auto byte : bad) static_cast<void>(reader.take(byte));
+    static_cast<void>(reader.take(0));
+    bool complete = false;
+    for (const auto byte : line) complete = reader.take(byte);
+    REQUIRE(complete);
+    REQUIRE(Bytes(reader.packet().begin(), reader.packet().end()) == packet);
+  }
+}
+
+TEST_CASE("A frame of the most and largest segments fits a packet", "[hal][LNK-9]") {
+  firmware::HostFrame frame;
+  frame.has_outputs = frame.has_cut = true;
+  frame.segment_count = firmware::kSegmentsPerFrame;
+  for (auto& segment : frame.segments) {
+    segment.spindle_period = 1;
+    segment.velocity.fill(1);
+  }
+  Bytes memory(kMaxPacket);
+  PacketWriter packet(memory, PacketType::frame, 1);
+  put_numbers(packet.body(), {});
+  put_frame(packet.body(), frame);
+  CHECK_FALSE(packet.finish().empty());
+}
+
+TEST_CASE("Frames come out of their bytes as they went in", "[hal][LNK-9]") {
+  std::mt19937 random(3);
+  for (int i = 0; i < 300; ++i) {
+    const Bytes bytes = body_of(random_frame(random));
+    firmware::HostFrame frame;
+    REQUIRE(read(bytes, frame));
+    CHECK(body_of(frame) == bytes);
+    if (i < 20) require_strict<firmware::HostFrame>(bytes, random);
+  }
+}
+
+TEST_CASE("A status comes out of its bytes as it went in", "[hal][LNK-9]") {
+  std::mt19937 random(4);
+  for (int i = 0; i < 300; ++i) {
+    const firmware::Status written = random_status(random);
+    const Bytes bytes = body_of(written);
+    firmware::Status status;
+    REQUIRE(read(bytes, status));
+    CHECK(body_of(status) == bytes);
+    CHECK(status.counts == written.counts);
+    CHECK(status.outputs == written.outputs);
+    if (i < 20) require_strict<firmware::Status>(bytes, random);
+  }
+}
+
+TEST_CASE("A velocity that no board can make stays one", "[hal][LNK-9]") {
+  firmware::HostFrame frame;
+  frame.segment_count = 1;
+  frame.segments[0].velocity[0] = std::numeric_limits<std::int64_t>::max();
+  firmware::HostFrame read_back;
+  REQUIRE(read(body_of(frame), read_back));
+  CHECK(read_back.segments[0].velocity[0] > firmware::kTopVelocity);
+}
+
+TEST_CASE("A packet with any wrong bit is none", "[hal][LNK-9]") {
+  Bytes memory(kMaxPacket);
+  PacketWriter writer(memory, PacketType::poll, 7);
+  put_numbers(writer.body(), {.sequence = 0, .stops = 3, .stamp = 9});
+  const auto whole = writer.finish();
+  REQUIRE(open_packet(whole));
+  for (std::size_t bit = 0; bit < 8 * whole.size(); ++bit) {
+    Bytes damaged(whole.begin(), whole.end());
+    damaged[bit / 8] ^= static_cast<std::uint8_t>(1U << (bit % 8));
+    CHECK_FALSE(open_packet(damaged));
+  }
+  CHECK_FALSE(open_packet({}));
+  CHECK_FALSE(open_packet(Bytes(kMaxPacket + 1)));
+}
