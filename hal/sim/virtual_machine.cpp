@@ -66,7 +66,7 @@ Position VirtualMachine::physical_position() const {
   return position;
 }
 
-void VirtualMachine::step(std::size_t axis, int direction) {
+void VirtualMachine::step(std::size_t axis, int direction, Ticks) {
   Motor& motor = motors_.values[axis];
   if (!motor.connected) return;
   const std::int64_t place = motor.place + direction * motor.sense;

@@ -74,7 +74,7 @@ class VirtualMachine final : public cpu5::firmware::BoardIo {
   }
   [[nodiscard]] const cpu5::firmware::Outputs& outputs() const { return outputs_; }
 
-  void step(std::size_t axis, int direction) override;
+  void step(std::size_t axis, int direction, cpu5::firmware::Ticks when) override;
   cpu5::firmware::Inputs inputs(cpu5::firmware::Ticks now) override;
   void set_outputs(const cpu5::firmware::Outputs& outputs) override;
 

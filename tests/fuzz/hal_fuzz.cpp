@@ -43,14 +43,17 @@ class Bytes {
 /// Counts the pulses of every axis since the last check, and lets the input press switches.
 class FuzzedBoard final : public BoardIo {
  public:
-  void step(std::size_t axis, int direction) override {
+  void step(std::size_t axis, int direction, Ticks when) override {
     require(axis < kAxisCount && (direction == 1 || direction == -1));
+    require(when >= last_step);
+    last_step = when;
     ++pulses[axis];
   }
   Inputs inputs(Ticks) override { return present; }
   void set_outputs(const Outputs& outputs) override { last_outputs = outputs; }
 
   PerAxis<std::int64_t> pulses{};
+  Ticks last_step = 0;
   Inputs present{};
   Outputs last_outputs{};
 };
@@ -106,8 +109,8 @@ void fill_frame(Bytes& bytes, HostFrame& frame, Segment& tail, const Core& core)
   }
 }
 
-// The way at the highest speed in that time; one slice (1000 ticks) may have been owed, and
-// rounding to whole steps is worth one more.
+// The way at the highest speed in that time; after an index pulse up to one slice (1000 ticks) may be
+// owed, and rounding to whole steps is worth one more.
 void check_pulses(FuzzedBoard& board, Ticks ticks, bool faulty_before) {
   const std::int64_t most = ((ticks + kSliceTicks) * kLimit >> kFractionBits) + 2;
   for (std::int64_t& pulses : board.pulses) {

@@ -73,7 +73,7 @@ TEST_CASE("An estop input stops the pulses within one slice and makes the output
   CHECK(count == 70);
   pressed = true;
   rig.core.advance(ticks(0.005));
-  CHECK(rig.core.status().counts[0] == count);
+  CHECK(rig.core.status().counts[0] - count <= 1);  // one slice at 10 kHz
   CHECK(rig.core.status().faults == kEstop);
   CHECK(rig.core.status().fifo_count == 0);
   CHECK(rig.core.status().queued_time == 0);

@@ -12,15 +12,16 @@ namespace cnc::hal::cpu5::firmware {
 struct Pulse {
   std::size_t axis;
   int direction;
+  Ticks when;
 
   friend bool operator==(const Pulse&, const Pulse&) = default;
 };
 
 class WatchedBoard final : public BoardIo {
  public:
-  void step(std::size_t axis, int direction) override {
+  void step(std::size_t axis, int direction, Ticks when) override {
     counts[axis] += direction;
-    if (keep_pulses) pulses.push_back({axis, direction});
+    if (keep_pulses) pulses.push_back({axis, direction, when});
     ++pulse_count;
   }
   Inputs inputs(Ticks time) override {

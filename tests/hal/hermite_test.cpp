@@ -34,7 +34,7 @@ AxisMotion random_motion(std::mt19937_64& random) {
 
 }  // namespace
 
-TEST_CASE("The fixed-point cubic stays within 2^-21 step of the true one", "[hal][LNK-2]") {
+TEST_CASE("The fixed-point cubic stays within 2^-31 step of the true one", "[hal][LNK-2]") {
   std::mt19937_64 random(1);
   long double worst = 0;
   for (int i = 0; i < 20'000; ++i) {
@@ -45,7 +45,7 @@ TEST_CASE("The fixed-point cubic stays within 2^-21 step of the true one", "[hal
         in_steps(cubic.distance_after(elapsed)) - exact_distance(motion, elapsed);
     worst = std::max(worst, std::fabs(error));
   }
-  CHECK(worst < std::ldexp(1.0L, -21));
+  CHECK(worst < std::ldexp(1.0L, -31));
 }
 
 TEST_CASE("The largest numbers that the core accepts do not overflow the cubic", "[hal][LNK-3]") {
@@ -58,7 +58,7 @@ TEST_CASE("The largest numbers that the core accepts do not overflow the cubic",
         for (Ticks elapsed = 0; elapsed <= kMaxSegmentTicks; elapsed += kMaxSegmentTicks / 64) {
           const long double error =
               in_steps(cubic.distance_after(elapsed)) - exact_distance(motion, elapsed);
-          REQUIRE(std::fabs(error) < std::ldexp(1.0L, -21));
+          REQUIRE(std::fabs(error) < std::ldexp(1.0L, -31));
         }
       }
     }

@@ -10,7 +10,7 @@ using namespace cnc::hal::sim;
 namespace {
 
 void step(VirtualMachine& machine, Axis axis, int count) {
-  for (int i = 0; i < std::abs(count); ++i) machine.step(index_of(axis), count < 0 ? -1 : 1);
+  for (int i = 0; i < std::abs(count); ++i) machine.step(index_of(axis), count < 0 ? -1 : 1, 0);
 }
 
 VirtualMachine machine_at(double position, const config::MachineConfig& config) {

@@ -7,8 +7,9 @@ namespace cnc::hal::cpu5::firmware {
 
 class BoardIo {
  public:
-  /// One step pulse; direction is +1 or -1.
-  virtual void step(std::size_t axis, int direction) = 0;
+  /// One step; direction is +1 or -1. It is due at `when`, which never goes back from step to step:
+  /// the present, or, as far as run_until() was called late, a little before.
+  virtual void step(std::size_t axis, int direction, Ticks when) = 0;
   /// The inputs as they are at this moment. `now` is the core's time of it, the clock that capture
   /// times are on; it never goes back.
   virtual Inputs inputs(Ticks now) = 0;

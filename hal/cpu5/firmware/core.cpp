@@ -25,13 +25,13 @@ bool in_range(const Setup& setup) {
 
 }  // namespace
 
-Core::Core(BoardIo& io) : io_(io) {
+Core::Core(BoardIo& io) : io_(io), player_(io) {
   io_.set_outputs(outputs_);
-  sample_inputs();
+  if (player_.inputs_now().estop()) fail(kEstop);
 }
 
 bool Core::set_up(const Setup& setup) {
-  if (!in_range(setup) || executing_ || !fifo_.empty()) return false;
+  if (!in_range(setup) || moving()) return false;
   setup_ = setup;
   return true;
 }
@@ -40,7 +40,7 @@ bool Core::set_up(const Setup& setup) {
 
 void Core::host_alive() {
   host_known_ = true;
-  host_heard_ = time_given_;
+  host_heard_ = player_.time();
 }
 
 void Core::host_left() {
@@ -98,7 +98,7 @@ void Core::cut_behind(std::uint32_t id) {
 }
 
 bool Core::cut_fifo_behind(std::uint32_t id) {
-  if (executing_ && segment_.id == id) {
+  if (under_way() && segment_.id == id) {
     keep_waiting(0);
     return true;
   }
@@ -108,7 +108,7 @@ bool Core::cut_fifo_behind(std::uint32_t id) {
     return true;
   }
   // The whole path is made: nothing is left to be dropped.
-  if (executing_ || !fifo_.empty() || tail_id_ != id) return false;
+  if (moving() || tail_id_ != id) return false;
   any_id_ = true;
   return true;
 }
@@ -118,7 +118,7 @@ void Core::keep_waiting(std::uint32_t count) {
   const auto scaled_behind = [](const Segment& segment, bool scaled_before) {
     return (scaled_before || segment.spindle_period != 0) && segment.velocity != kStandstill;
   };
-  tail_scaled_ = executing_ && scaled_behind(segment_, time_scale_ != kFullScale);
+  tail_scaled_ = under_way() && scaled_behind(segment_, time_scale_ != kFullScale);
   fifo_ticks_ = 0;
   for (std::uint32_t i = 0; i < count; ++i) {
     tail_scaled_ = scaled_behind(fifo_[i], tail_scaled_);
@@ -142,8 +142,9 @@ void Core::release_stop() {
 
 void Core::clear_faults() {
   stop_pulses();
+  player_.take_alarms();
   faults_ = 0;
-  sample_inputs();  // an estop that is still pressed is a fault again
+  if (player_.inputs_now().estop()) fail(kEstop);  // still pressed
 }
 
 bool Core::set_outputs(const Outputs& outputs) {
@@ -153,62 +154,26 @@ bool Core::set_outputs(const Outputs& outputs) {
   return true;
 }
 
-void Core::arm_latch(std::size_t axis, Edge edge) {
-  sample_inputs();  // an edge counts from now on
-  latches_[axis] = {.armed = true, .caught = false, .edge = edge, .count = 0};
-  armed_axes_ |= axis_bit(axis);
-}
+void Core::arm_latch(std::size_t axis, Edge edge) { player_.arm_latch(axis, edge); }
 
-void Core::disarm_latch(std::size_t axis) {
-  latches_[axis].armed = false;
-  armed_axes_ &= static_cast<std::uint8_t>(~axis_bit(axis));
-}
+void Core::disarm_latch(std::size_t axis) { player_.disarm_latch(axis); }
 
 void Core::arm_probe() {
-  sample_inputs();
-  probe_ = {.armed = !inputs_.probe, .active_at_arming = inputs_.probe};
-  if (probe_.active_at_arming) begin_stop();
+  player_.arm_probe();
+  probe_awaited_ = true;
+  if (player_.played().probe_latch.active_at_arming) begin_stop();
 }
 
-void Core::disarm_probe() { probe_.armed = false; }
+void Core::disarm_probe() { player_.disarm_probe(); }
 
-// --- inputs and stops ----------------------------------------------------------------------------
+// --- stops ---------------------------------------------------------------------------------------
 
-void Core::sample_inputs() {
-  const std::uint8_t home_before = inputs_.home;
-  inputs_ = io_.inputs(time_);
-  spindle_.see(inputs_.index_count, inputs_.index_time);
-  if (armed_axes_ != 0 && inputs_.home != home_before) catch_latches(home_before);
-  if (probe_.armed && inputs_.probe) catch_probe();
-  if (inputs_.estop()) fail(kEstop);
-}
-
-void Core::catch_latches(std::uint8_t home_before) {
-  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
-    HomeLatch& latch = latches_[axis];
-    const bool was_active = (home_before & axis_bit(axis)) != 0;
-    const bool is_active = (inputs_.home & axis_bit(axis)) != 0;
-    if (!latch.armed || was_active == is_active) continue;
-    if (is_active != (latch.edge == Edge::activate)) continue;
-    latch.caught = true;
-    latch.count = counts_[axis];
-    disarm_latch(axis);
-  }
-}
-
-void Core::catch_probe() {
-  probe_.armed = false;
-  probe_.caught = true;
-  probe_.counts = counts_;
-  begin_stop();
-}
-
-// Between two calls of advance() an unfinished path is executing, so otherwise the machine stands.
-// It also does while it waits for the spindle.
+// While it waits for the spindle the machine stands, too.
 void Core::begin_stop() {
   if (path_stop_ != PathStop::none) return;
   path_stop_ = PathStop::stopping;
-  if (!executing_ || waiting_for_index_) complete_stop();
+  if (waiting_for_index_ || !under_way()) return complete_stop();
+  stop_is_planned_ = !executing_ && start_velocity_ == kStandstill;
 }
 
 void Core::complete_stop() {
@@ -219,16 +184,20 @@ void Core::complete_stop() {
 // The position becomes the step on which each motor stands: what was still to be stepped is not
 // owed to anyone.
 void Core::stop_pulses() {
+  player_.drop();
   executing_ = false;
   waiting_for_index_ = false;
   path_stop_ = PathStop::none;
+  stop_is_planned_ = false;
+  owed_ = 0;
   cut_late_ = false;
   time_scale_ = kFullScale;
   fifo_.clear();
   fifo_ticks_ = 0;
   any_id_ = true;
+  const PerAxis<std::int64_t> counts = player_.played().counts;
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
-    position_[axis] = position_of_step(counts_[axis]);
+    position_[axis] = position_of_step(counts[axis]);
   }
   start_velocity_ = {};
   tail_position_ = position_;
@@ -237,9 +206,9 @@ void Core::stop_pulses() {
 }
 
 void Core::fail(FaultBits fault) {
-  if ((faults_ & fault) != 0) return;
-  faults_ = static_cast<FaultBits>(faults_ | fault);
   stop_pulses();
+  if ((faults_ & fault) == fault) return;
+  faults_ = static_cast<FaultBits>(faults_ | fault);
   outputs_ = safe_outputs();
   io_.set_outputs(outputs_);
 }
@@ -248,22 +217,29 @@ Outputs Core::safe_outputs() const {
   return {.drives_enabled = outputs_.drives_enabled && !setup_.drives_off_on_fault};
 }
 
+bool Core::under_way() const { return executing_ || !player_.idle(); }
+
+bool Core::moving() const { return under_way() || !fifo_.empty(); }
+
+
 Status Core::status() const {
-  return {.time = time_,
+  const Played played = player_.played();
+  const Ticks planned_ahead = player_.idle() ? 0 : player_.planned_until() - played.time;
+  const Ticks rest = executing_ ? segment_.duration - (elapsed_ >> kPathFractionBits) : 0;
+  return {.time = played.time,
           .faults = faults_,
-          .executing_id = segment_.id,
-          .executing_elapsed = elapsed_ >> kPathFractionBits,
-          .executing_duration = segment_.duration,
+          .executing_id = played.place.id,
+          .executing_elapsed = played.place.elapsed >> kPathFractionBits,
+          .executing_duration = played.place.duration,
           .fifo_count = fifo_.size(),
           .fifo_free = fifo_.free(),
-          .queued_time =
-              fifo_ticks_ + (executing_ ? segment_.duration - (elapsed_ >> kPathFractionBits) : 0),
-          .moving = executing_ || !fifo_.empty(),
-          .counts = counts_,
-          .inputs = inputs_,
-          .spindle_period = spindle_.period(time_),
-          .home_latch = latches_,
-          .probe_latch = probe_,
+          .queued_time = planned_ahead + rest + fifo_ticks_,
+          .moving = moving(),
+          .counts = played.counts,
+          .inputs = played.inputs,
+          .spindle_period = spindle_.period(played.time),
+          .home_latch = played.home_latch,
+          .probe_latch = played.probe_latch,
           .path_stop = path_stop_,
           .cut_late = cut_late_,
           .time_scale = time_scale_,

@@ -2,10 +2,18 @@
 // itself. Portable to any processor with 64-bit integers: no heap, no operating system, no
 // exceptions, no floating point. The virtual machine runs this very code.
 //
-// The caller gives it time with advance(): a timer interrupt on a board, the simulation's clock
-// elsewhere. Segments are executed in slices of at most kSliceTicks counted from the segment's
-// start; a slice is done when all of its time has been given. The steps made therefore do not
-// depend on how the time was cut into calls, and lag behind it by less than one slice.
+// Its two halves share the work. Planning (plan(), this class) turns segments into slices of at
+// most 100 us: the steps in them, each with its tick. Playing (run_until(), slice_player.h) lets
+// them out when their time comes. Planning is ahead by the slice that is being played and the next
+// one, so what the host asks for, a probe that touches or a spindle that slows down shows in the
+// motion after two slices (0.2 ms), or three where a segment's end makes one short: 0.3 ms. An
+// estop does not wait: the slice in which it is seen makes no further step.
+//
+// On a board the step timer's interrupt calls run_until(now) at the moment that next_due() told,
+// and has plan() called at a lower priority; there the host's calls and plan() must not interrupt
+// one another. A board whose planning comes too late has the same fault as one whose host does:
+// kFifoUnderrun. Elsewhere advance() does both in turn. The steps and their ticks do not depend on
+// how time is cut into calls.
 //
 // Rules for segments: id one above the last accepted (any but 0 after start, any stop, a cut or
 // cleared faults; 0 is skipped when the number wraps), duration 1 … kMaxSegmentTicks, position
@@ -23,7 +31,9 @@
 // dropped until the next cut, which the host will send when it has read that.
 //
 // A segment may wait for the spindle's index pulse and then counts its time from the very moment of
-// the pulse, whenever the core saw it: threads cut in several passes meet. A segment that follows
+// the pulse, although the core sees it up to a slice later: threads cut in several passes meet.
+// (What the axes, from a standstill, should have gone meanwhile they go at once: at 10^6 steps/s^2
+// 0.02 step.) A segment that follows
 // the spindle passes at the part that the measured speed is of the planned one, smoothed by
 // kFollowSmoothing and changed no faster than the axes' acceleration allows, up to kTopScale. Its
 // own speed, and that of what comes after it up to the next standstill, leaves that room below
@@ -31,13 +41,14 @@
 //
 // Every fault stops the pulses at once, empties the FIFO, makes the outputs safe, and holds until
 // clear_faults(): meanwhile segments and outputs are refused. Where the pulses stopped is where the
-// next segment starts. Not thread-safe.
+// next segment starts.
 #pragma once
 
 #include "hal/cpu5/firmware/board_io.h"
 #include "hal/cpu5/firmware/hermite.h"
 #include "hal/cpu5/firmware/path_stop.h"
 #include "hal/cpu5/firmware/segment_fifo.h"
+#include "hal/cpu5/firmware/slice_player.h"
 #include "hal/cpu5/firmware/spindle_meter.h"
 
 namespace cnc::hal::cpu5::firmware {
@@ -45,7 +56,6 @@ namespace cnc::hal::cpu5::firmware {
 class SliceSteps;
 
 inline constexpr std::uint32_t kFifoCapacity = 256;
-inline constexpr Ticks kSliceTicks = 1000;
 /// In each slice the scale goes this part of its way to the measured ratio: 6.4 ms time constant.
 inline constexpr TimeScale kFollowSmoothing = 64;
 
@@ -61,8 +71,8 @@ class Core {
   void host_alive();
   /// It has said that it goes: outputs become safe, and a motion is stopped as for a silent host.
   void host_left();
-  [[nodiscard]] Ticks time() const { return time_given_; }
-  [[nodiscard]] bool moving() const { return executing_ || !fifo_.empty(); }
+  [[nodiscard]] Ticks time() const { return player_.time(); }
+  [[nodiscard]] bool moving() const;
 
   /// False when the segment was not taken: FIFO full, fault pending, stopped along the path, or bad
   /// (which is a fault then).
@@ -85,7 +95,12 @@ class Core {
   void arm_probe();
   void disarm_probe();
 
-  /// `ticks` >= 0 have passed since the last call.
+  /// Plans ahead and carries out what playing found: faults, a probe that touched.
+  void plan();
+  void run_until(Ticks now) { player_.run_until(now); }
+  [[nodiscard]] Ticks next_due() const { return player_.next_due(); }
+
+  /// Plays and plans through the next `ticks` >= 0.
   void advance(Ticks ticks);
 
   [[nodiscard]] Status status() const;
@@ -94,25 +109,28 @@ class Core {
   [[nodiscard]] bool acceptable(const Segment& segment) const;
   [[nodiscard]] bool may_be_scaled(const Segment& segment) const;
   [[nodiscard]] bool host_silent() const;
+  [[nodiscard]] bool under_way() const;  // not counting what waits in the FIFO
   [[nodiscard]] bool cut_fifo_behind(std::uint32_t id);
   void keep_waiting(std::uint32_t count);
-  bool start_next_segment();
+
+  [[nodiscard]] bool has_path();
+  void start_next_segment();
   void finish_segment();
+  void plan_slice();
+  void wait_for_index();
+  [[nodiscard]] bool next_follows() const;
   [[nodiscard]] Ticks slice_length() const;
-  void run_slice(Ticks length);
+  [[nodiscard]] PathPlace place() const;
   PathTime path_time_passing(Ticks length);
   [[nodiscard]] TimeScale wanted_scale() const;
   [[nodiscard]] TimeScale scale_from_standstill() const;
   [[nodiscard]] TimeScale spindle_ratio() const;
   using Allowance = TimeScale (*)(const PathDerivatives&, StepAcceleration, TimeScale, Ticks);
   [[nodiscard]] TimeScale least_allowed(Allowance allowance, TimeScale change, Ticks length) const;
-  void wait_for_index();
-  void run_path(PathTime way);
-  void place_axes(SliceSteps& steps);
-  void emit(SliceSteps& steps);
-  void sample_inputs();
-  void catch_latches(std::uint8_t home_before);
-  void catch_probe();
+  void plan_steps(Slice& slice, PathTime way);
+  void plan_piece(Slice& slice, PathTime made, PathTime piece);
+  void add_axes(SliceSteps& steps, PathTime piece);
+
   void begin_stop();
   void complete_stop();
   void stop_pulses();
@@ -120,13 +138,10 @@ class Core {
   [[nodiscard]] Outputs safe_outputs() const;
 
   BoardIo& io_;
+  SlicePlayer player_;
   Setup setup_;
   Outputs outputs_;
-  Inputs inputs_;
   FaultBits faults_ = 0;
-
-  Ticks time_given_ = 0;  // by advance()
-  Ticks time_ = 0;        // up to which steps have been made
   Ticks host_heard_ = 0;
   bool host_known_ = false;
 
@@ -139,24 +154,23 @@ class Core {
   bool any_id_ = true;
   bool cut_late_ = false;
 
+  // What is planned, up to player_.planned_until().
   bool executing_ = false;
   Segment segment_;  // in execution, or the last executed
   PathTime elapsed_ = 0;
   TimeScale time_scale_ = kFullScale;
   PathStop path_stop_ = PathStop::none;
+  bool stop_is_planned_ = false;  // to its end
+  bool probe_awaited_ = false;
   bool waiting_for_index_ = false;
   std::uint32_t index_count_before_ = 0;  // the wait
   Ticks wait_begin_ = 0;
+  PathTime owed_ = 0;  // path time that passed between the index pulse and the first slice
   PerAxis<Cubic> cubics_;
   std::uint8_t moving_axes_ = 0;
   PerAxis<StepPosition> start_position_{};  // of the segment in execution
   PerAxis<StepVelocity> start_velocity_{};
   PerAxis<StepPosition> position_{};
-
-  PerAxis<std::int64_t> counts_{};
-  PerAxis<HomeLatch> latches_{};
-  std::uint8_t armed_axes_ = 0;
-  ProbeLatch probe_;
   SpindleMeter spindle_;
 };
 

@@ -1,30 +1,62 @@
-// The core's time: segments to slices, slices to steps.
+// The core's planning: segments to slices, slices to steps.
 #include "hal/cpu5/firmware/core.h"
 #include "hal/cpu5/firmware/slice_steps.h"
 
 namespace cnc::hal::cpu5::firmware {
+namespace {
+
+/// Real time in which path time goes on by `way`, which is at most kSliceTicks * kTopScale.
+constexpr Ticks time_of(PathTime way, TimeScale scale) {
+  const PathTime passing = scale == kFullScale ? way : (way << kScaleBits) / scale;
+  return (passing + path_time(1) / 2) >> kPathFractionBits;
+}
+
+}  // namespace
 
 void Core::advance(Ticks ticks) {
-  time_given_ += ticks;
-  while (executing_ || start_next_segment()) {
-    const Ticks length = slice_length();
-    if (time_ + length > time_given_) return;
-    time_ += length;
-    run_slice(length);
+  const Ticks end = player_.time() + ticks;
+  Ticks now;
+  do {
+    plan();
+    now = player_.slice_end();
+    now = now < end ? now : end;
+    player_.run_until(now);
+  } while (now < end);
+  plan();
+}
+
+void Core::plan() {
+  if (const FaultBits alarms = player_.take_alarms(); alarms != 0) fail(alarms);
+  const Played played = player_.played();
+  spindle_.see(played.inputs.index_count, played.inputs.index_time);
+  if (probe_awaited_ && played.probe_latch.caught) {
+    probe_awaited_ = false;
+    begin_stop();
   }
-  time_ = time_given_;
-  sample_inputs();
-  if (host_silent()) fail(kLinkLost);
+  while (!player_.full() && has_path()) plan_slice();
+  if (stop_is_planned_ && player_.idle()) complete_stop();
+  if (!moving() && host_silent()) fail(kLinkLost);
 }
 
 // What the host has sent ends in a planned stop as long as the host is well, so a silent one's
 // segments are still executed: that is gentler than a stop on the spot.
 bool Core::host_silent() const {
-  return host_known_ && setup_.host_timeout > 0 && time_ - host_heard_ > setup_.host_timeout;
+  return host_known_ && setup_.host_timeout > 0 &&
+         player_.time() - host_heard_ > setup_.host_timeout;
 }
 
-bool Core::start_next_segment() {
-  if (fifo_.empty()) return false;
+// A segment that waits for the spindle does so at a standstill, and is planned slice by slice, so
+// that the pulse is seen soon.
+bool Core::has_path() {
+  if (stop_is_planned_) return false;
+  if (waiting_for_index_) return player_.idle();
+  if (executing_) return true;
+  if (fifo_.empty() || (fifo_[0].wait_for_index && !player_.idle())) return false;
+  start_next_segment();
+  return true;
+}
+
+void Core::start_next_segment() {
   segment_ = fifo_.pop();
   fifo_ticks_ -= segment_.duration;
   executing_ = true;
@@ -32,8 +64,10 @@ bool Core::start_next_segment() {
   start_position_ = position_;
   moving_axes_ = 0;
   waiting_for_index_ = segment_.wait_for_index;
-  index_count_before_ = inputs_.index_count;
-  wait_begin_ = time_;
+  if (waiting_for_index_) {
+    index_count_before_ = player_.played().inputs.index_count;
+    wait_begin_ = player_.time();
+  }
   if (start_velocity_ == kStandstill) time_scale_ = scale_from_standstill();
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     const AxisMotion motion{.distance = segment_.position[axis] - start_position_[axis],
@@ -44,7 +78,36 @@ bool Core::start_next_segment() {
     cubics_[axis] = Cubic(motion);
     moving_axes_ |= axis_bit(axis);
   }
-  return true;
+}
+
+void Core::plan_slice() {
+  if (waiting_for_index_) wait_for_index();
+  if (!executing_) return;
+  Slice& slice = player_.next_slice();
+  slice.begin = player_.planned_until();
+  slice.from = place();
+  slice.step_count = 0;
+  const TimeScale scale_before = time_scale_;
+  PathTime way = 0;
+  if (owed_ > 0) {
+    slice.length = 0;
+    way = owed_ < path_time(kSliceTicks) ? owed_ : path_time(kSliceTicks);
+    owed_ -= way;
+  } else {
+    slice.length = slice_length();
+    if (!waiting_for_index_) way = path_time_passing(slice.length);
+  }
+  slice.scale = waiting_for_index_ ? 0 : (scale_before + time_scale_) / 2;
+  plan_steps(slice, way);
+  if (path_stop_ == PathStop::stopping && time_scale_ == 0) stop_is_planned_ = true;
+  slice.to = place();
+  const bool stands = !executing_ && start_velocity_ == kStandstill;
+  slice.goes_on = !stands && !stop_is_planned_ && !waiting_for_index_;
+  player_.commit();
+}
+
+PathPlace Core::place() const {
+  return {.id = segment_.id, .duration = segment_.duration, .elapsed = elapsed_};
 }
 
 // While path time runs as time does, a slice ends with its segment at the latest.
@@ -54,26 +117,21 @@ Ticks Core::slice_length() const {
   return rest < kSliceTicks ? rest : kSliceTicks;
 }
 
-void Core::run_slice(Ticks length) {
-  sample_inputs();
-  if (!executing_) return;
-  if (waiting_for_index_) return wait_for_index();
-  run_path(path_time_passing(length));
-  if (path_stop_ == PathStop::stopping && time_scale_ == 0) complete_stop();
-}
-
-// The pulse came within this slice, its exact time ago: that is what has passed of the segment.
+// What has passed since the pulse is path time already.
 void Core::wait_for_index() {
-  if (inputs_.index_count == index_count_before_) {
-    const bool missing = setup_.index_timeout > 0 && time_ - wait_begin_ > setup_.index_timeout;
+  const Played played = player_.played();
+  if (played.inputs.index_count == index_count_before_) {
+    const bool missing =
+        setup_.index_timeout > 0 && played.time - wait_begin_ > setup_.index_timeout;
     if (missing) fail(kIndexMissing);
     return;
   }
+  constexpr Ticks kMostOwed = 4 * kSliceTicks;
   waiting_for_index_ = false;
   time_scale_ = scale_from_standstill();
-  const Ticks since = time_ - inputs_.index_time;
-  const Ticks passed = since < 0 ? 0 : since < kSliceTicks ? since : kSliceTicks;
-  run_path(passed * time_scale_ >> (kScaleBits - kPathFractionBits));
+  const Ticks since = player_.planned_until() - played.inputs.index_time;
+  const Ticks passed = since < 0 ? 0 : since < kMostOwed ? since : kMostOwed;
+  owed_ = passed * time_scale_ >> (kScaleBits - kPathFractionBits);
 }
 
 PathTime Core::path_time_passing(Ticks length) {
@@ -96,7 +154,7 @@ TimeScale Core::scale_from_standstill() const {
 
 // Measured speed as a part of the planned one.
 TimeScale Core::spindle_ratio() const {
-  const Ticks period = spindle_.period(time_);
+  const Ticks period = spindle_.period(player_.time());
   if (period == 0) return 0;
   const TimeScale ratio = (TimeScale{segment_.spindle_period} << kScaleBits) / period;
   return ratio < kTopScale ? ratio : kTopScale;
@@ -115,42 +173,59 @@ TimeScale Core::least_allowed(Allowance allowance, TimeScale change, Ticks lengt
   return change;
 }
 
-// Each segment's own piece of the way is stepped by itself, so that a corner is not cut.
-void Core::run_path(PathTime way) {
-  while (executing_) {
+// Each segment's own piece of the way is stepped by itself, so that a corner is not cut. A slice
+// that finds no segment for its whole way becomes shorter: the next one goes on without a pause.
+void Core::plan_steps(Slice& slice, PathTime way) {
+  PathTime made = 0;
+  while (made < way) {
+    if (!executing_) {
+      if (!next_follows()) break;
+      start_next_segment();
+    }
     const PathTime rest = path_time(segment_.duration) - elapsed_;
-    const PathTime piece = way < rest ? way : rest;
-    elapsed_ += piece;
-    way -= piece;
-    SliceSteps steps;
-    place_axes(steps);
-    emit(steps);
-    if (executing_ && piece == rest) finish_segment();
-    if (way == 0 || (!executing_ && !start_next_segment()) || waiting_for_index_) return;
+    const PathTime piece = way - made < rest ? way - made : rest;
+    plan_piece(slice, made, piece);
+    made += piece;
+    if (piece == rest) finish_segment();
+  }
+  if (made < way && slice.length > 0) slice.length = time_of(made, slice.scale);
+}
+
+bool Core::next_follows() const {
+  return !stop_is_planned_ && !fifo_.empty() && !fifo_[0].wait_for_index;
+}
+
+void Core::plan_piece(Slice& slice, PathTime made, PathTime piece) {
+  const PathTime begin = elapsed_;
+  SliceSteps steps;
+  add_axes(steps, piece);
+  while (!steps.empty() && slice.step_count < kMostSteps) {
+    const SliceSteps::Step step = steps.take();
+    const Ticks due = slice.length == 0 ? 0 : time_of(made + step.moment - begin, slice.scale);
+    const Ticks offset = due < slice.length ? due : slice.length;
+    slice.steps[slice.step_count++] = {.offset = static_cast<std::uint16_t>(offset),
+                                       .axis = static_cast<std::uint8_t>(step.axis),
+                                       .direction = static_cast<std::int8_t>(step.direction)};
   }
 }
 
-void Core::place_axes(SliceSteps& steps) {
+// Takes the axes on by a piece of the segment.
+void Core::add_axes(SliceSteps& steps, PathTime piece) {
+  const PathTime before = elapsed_;
+  elapsed_ += piece;
   const bool at_end = elapsed_ == path_time(segment_.duration);
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     if ((moving_axes_ & axis_bit(axis)) == 0) continue;
     const StepPosition target = at_end
                                     ? segment_.position[axis]
                                     : start_position_[axis] + cubics_[axis].distance_at(elapsed_);
-    steps.add(axis, position_[axis], target);
+    steps.add(axis, {.cubic = cubics_[axis],
+                     .origin = start_position_[axis],
+                     .from = position_[axis],
+                     .to = target,
+                     .after = before,
+                     .before = elapsed_});
     position_[axis] = target;
-  }
-}
-
-// An armed axis reads the inputs after each of its steps, an armed probe after every step: the
-// latch catches the very step at which the switch changed, at any speed. An estop seen there ends
-// the slice too.
-void Core::emit(SliceSteps& steps) {
-  while (!steps.empty() && executing_) {
-    const SliceSteps::Step step = steps.take();
-    counts_[step.axis] += step.direction;
-    io_.step(step.axis, step.direction);
-    if (probe_.armed || (armed_axes_ & axis_bit(step.axis)) != 0) sample_inputs();
   }
 }
 
@@ -158,8 +233,7 @@ void Core::finish_segment() {
   executing_ = false;
   start_velocity_ = segment_.velocity;
   const bool stands = start_velocity_ == kStandstill;
-  if (stands && path_stop_ == PathStop::stopping) return complete_stop();
-  if (!stands && fifo_.empty()) fail(kFifoUnderrun);
+  stop_is_planned_ = stands && path_stop_ == PathStop::stopping;
 }
 
 }  // namespace cnc::hal::cpu5::firmware

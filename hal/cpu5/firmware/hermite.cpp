@@ -1,33 +1,63 @@
 #include "hal/cpu5/firmware/hermite.h"
 
+#include <algorithm>
+#include <bit>
+
 namespace cnc::hal::cpu5::firmware {
 namespace {
 
-// Coefficients drop 8 of the 32 fraction bits so that a coefficient times a time fits 64 bits. With
-// |T v| <= 52429 steps (kTopVelocity, kMaxSegmentTicks) every value that distance_after()
-// multiplies is at most 7 * 52429 * 2^24 < 2^42.5, and the time is at most 2^20.
-constexpr int kDroppedBits = 8;
+// T v is at most 52429 steps (kTopVelocity, kMaxSegmentTicks), the polynomial's three coefficients
+// in u at most 1, 6 and 4 times that; 2^k / T <= 2 makes them 1 * 2, 6 * 4 and 4 * 8 times as much
+// at most. The largest value formed of them, six times the last and twice the middle, is below
+// 250 * 52429 * 2^38 < 2^62.
+constexpr int kCoefficientBits = 38;
+constexpr int kFinerBits = kCoefficientBits - kFractionBits;
+constexpr int kPartBits = 32;
+
+constexpr StepPosition in_position_units(std::int64_t value) { return value >> kFinerBits; }
+
+// value * part / 2^32, without a product of more than 64 bits.
+constexpr std::int64_t times_part(std::int64_t value, std::uint32_t part) {
+  const std::int64_t high = value >> kPartBits;
+  const auto low = static_cast<std::uint32_t>(value);
+  return high * std::int64_t{part} +
+         static_cast<std::int64_t>(std::uint64_t{low} * part >> kPartBits);
+}
+
+constexpr std::int64_t shifted(std::int64_t value, int bits) {
+  return bits < 0 ? value >> -bits : value << bits;
+}
 
 constexpr std::int64_t magnitude(std::int64_t value) { return value < 0 ? -value : value; }
 constexpr std::int64_t larger(std::int64_t a, std::int64_t b) { return a > b ? a : b; }
 
 }  // namespace
 
-Cubic::Cubic(const AxisMotion& motion) : duration_(motion.duration) {
+Cubic::Cubic(const AxisMotion& motion)
+    : power_(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(motion.duration)))) {
+  const auto stretched = [&](std::int64_t value) {  // by 2^k / T
+    const std::int64_t whole = value / motion.duration;
+    const std::int64_t rest = value % motion.duration;
+    return (whole << power_) + (rest << power_) / motion.duration;
+  };
   const StepPosition start_way = motion.start_velocity * motion.duration;
   const StepPosition end_way = motion.end_velocity * motion.duration;
-  linear_ = start_way >> kDroppedBits;
-  quadratic_ = (3 * motion.distance - 2 * start_way - end_way) >> kDroppedBits;
-  cubic_ = (start_way + end_way - 2 * motion.distance) >> kDroppedBits;
+  const StepPosition quadratic = 3 * motion.distance - 2 * start_way - end_way;
+  const StepPosition cubic = start_way + end_way - 2 * motion.distance;
+  linear_ = motion.start_velocity << (power_ + kFinerBits);
+  quadratic_ = stretched(stretched(quadratic << kFinerBits));
+  cubic_ = stretched(stretched(stretched(cubic << kFinerBits)));
 }
 
-// Horner's rule. The division by T instead of a stored 1/T costs a little time and keeps the result
-// exact to the last bit but one in each of its three steps.
+std::uint32_t Cubic::part_of_power(Ticks elapsed) const {
+  return static_cast<std::uint32_t>(elapsed) << (kPartBits - power_);
+}
+
 StepPosition Cubic::distance_after(Ticks elapsed) const {
-  std::int64_t value = cubic_ * elapsed / duration_;
-  value = (value + quadratic_) * elapsed / duration_;
-  value = (value + linear_) * elapsed / duration_;
-  return value * (StepPosition{1} << kDroppedBits);
+  const std::uint32_t part = part_of_power(elapsed);
+  std::int64_t value = times_part(cubic_, part) + quadratic_;
+  value = times_part(value, part) + linear_;
+  return in_position_units(times_part(value, part));
 }
 
 StepPosition Cubic::distance_at(PathTime elapsed) const {
@@ -39,21 +69,36 @@ StepPosition Cubic::distance_at(PathTime elapsed) const {
   return here + ((distance_after(tick + 1) - here) * fraction >> kPathFractionBits);
 }
 
-// p'(u) / T. The product with the time is T (p'(u) - p'(0)), so the bound on the speed holds it
-// below 2^61.
 StepVelocity Cubic::velocity_after(Ticks elapsed) const {
-  const std::int64_t bend = 3 * (cubic_ * elapsed / duration_) + 2 * quadratic_;
-  const std::int64_t slope = bend * elapsed / duration_ + linear_;
-  return slope * (std::int64_t{1} << kDroppedBits) / duration_;
+  const std::uint32_t part = part_of_power(elapsed);
+  const std::int64_t bend = 3 * times_part(cubic_, part) + 2 * quadratic_;
+  return in_position_units(times_part(bend, part) + linear_) >> power_;
 }
 
-// p''(u) / T^2, where |p''| <= 36 T kTopVelocity < 2^45. Half of the missing 32 bits come in before
-// either division.
 StepAcceleration Cubic::acceleration_after(Ticks elapsed) const {
-  constexpr std::int64_t kHalf = std::int64_t{1}
-                                 << (kAccelerationBits - kFractionBits + kDroppedBits) / 2;
-  const std::int64_t bend = 6 * (cubic_ * elapsed / duration_) + 2 * quadratic_;
-  return bend * kHalf / duration_ * kHalf / duration_;
+  const std::int64_t bend = 6 * times_part(cubic_, part_of_power(elapsed)) + 2 * quadratic_;
+  return shifted(bend, kAccelerationBits - kCoefficientBits - 2 * power_);
+}
+
+// Newton's method from tick to tick, kept between two ticks of which the earlier is known to come
+// too early: where the axis turns round, and the slope leads nowhere, it halves that interval.
+PathTime Cubic::moment_of(const Passage& passage) const {
+  const auto forwards = [&](std::int64_t value) { return passage.upwards ? value : -value; };
+  Ticks early = passage.after >> kPathFractionBits;
+  Ticks late = passage.before >> kPathFractionBits;
+  Ticks tick = early;
+  while (true) {
+    const StepPosition missing = forwards(passage.distance - distance_after(tick));
+    const StepVelocity speed = forwards(velocity_after(tick));
+    if (magnitude(missing) <= speed && speed > 0) {
+      const PathTime moment = path_time(tick) + path_time(missing) / speed;
+      return std::clamp(moment, passage.after, passage.before);
+    }
+    (missing > 0 ? early : late) = tick;
+    if (late - early <= 1) return std::clamp(path_time(late), passage.after, passage.before);
+    const Ticks next = speed > 0 ? tick + missing / speed : early;
+    tick = early < next && next < late ? next : early + (late - early) / 2;
+  }
 }
 
 // The velocity is a parabola with the Bernstein coefficients v0, m = 3 D / T - v0 - v1, v1. Its

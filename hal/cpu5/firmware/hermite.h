@@ -22,15 +22,16 @@ struct AxisMotion {
   }
 };
 
-/// The polynomial's coefficients in u, in units of 2^-24 step.
+/// The polynomial in x = t / 2^k, where 2^k is the power of two above T: only the coefficients need
+/// divisions, once in a segment, and every value after that is three products. Units: 2^-38 step.
 class Cubic {
  public:
   Cubic() = default;
   /// Every velocity of `motion`, the mean one included, is at most kTopVelocity, and its duration
-  /// is 1 … kMaxSegmentTicks: then no product below exceeds 2^63.
+  /// is 1 … kMaxSegmentTicks: then no value below exceeds 2^62.
   explicit Cubic(const AxisMotion& motion);
 
-  /// Way made `elapsed` ticks after the segment's start. Within 2^-21 step of the true cubic; the
+  /// Way made `elapsed` ticks after the segment's start. Within 2^-31 step of the true cubic; the
   /// caller takes the segment's stated end at its last tick, so the error never adds up.
   [[nodiscard]] StepPosition distance_after(Ticks elapsed) const;
   /// The same between two ticks, on the straight line between them. `elapsed` is before the end.
@@ -38,11 +39,24 @@ class Cubic {
   [[nodiscard]] StepVelocity velocity_after(Ticks elapsed) const;
   [[nodiscard]] StepAcceleration acceleration_after(Ticks elapsed) const;
 
+  /// When the way reaches `distance`, which it does between two moments: `upwards`, or downwards.
+  struct Passage {
+    StepPosition distance;
+    bool upwards;
+    PathTime after;
+    PathTime before;
+  };
+  /// Within a hundredth of a tick at a constant speed, and at any acceleration that changes the
+  /// speed by less than a hundredth within a tick.
+  [[nodiscard]] PathTime moment_of(const Passage& passage) const;
+
  private:
+  [[nodiscard]] std::uint32_t part_of_power(Ticks elapsed) const;
+
+  int power_ = 0;  // k
   std::int64_t linear_ = 0;
   std::int64_t quadratic_ = 0;
   std::int64_t cubic_ = 0;
-  Ticks duration_ = 1;
 };
 
 /// Highest speed (absolute) anywhere in the motion. Velocities of `motion` and its mean velocity

@@ -1,28 +1,25 @@
 #include "hal/cpu5/firmware/slice_steps.h"
 
 namespace cnc::hal::cpu5::firmware {
-namespace {
 
-constexpr int kMomentBits = 24;
-
-}  // namespace
-
-// nearest_step() changes half-way between two steps; `to_first` is the way to the first such place,
-// at most one step, so that 24 more bits still fit.
-void SliceSteps::add(std::size_t axis, StepPosition from, StepPosition to) {
-  const std::int64_t first = nearest_step(from);
-  const std::int64_t last = nearest_step(to);
+void SliceSteps::add(std::size_t axis, const AxisPiece& piece) {
+  const std::int64_t first = nearest_step(piece.from);
+  const std::int64_t last = nearest_step(piece.to);
   if (first == last) return;
 
   const bool upwards = last > first;
-  const StepPosition way = upwards ? to - from : from - to;
-  const StepPosition from_step = from - position_of_step(first);
-  const StepPosition to_first = kOneStep / 2 + (upwards ? -from_step : from_step);
-  lanes_[lane_count_++] = {.axis = axis,
-                           .direction = upwards ? 1 : -1,
-                           .steps_left = upwards ? last - first : first - last,
-                           .moment = (to_first << kMomentBits) / way,
-                           .interval = (kOneStep << kMomentBits) / way};
+  const StepPosition middle = position_of_step(first) + (upwards ? kOneStep / 2 : -kOneStep / 2);
+  Lane& lane = lanes_[lane_count_++];
+  lane = {.axis = axis,
+          .direction = upwards ? 1 : -1,
+          .steps_left = upwards ? last - first : first - last,
+          .cubic = &piece.cubic,
+          .next = {.distance = middle - piece.origin,
+                   .upwards = upwards,
+                   .after = piece.after,
+                   .before = piece.before},
+          .moment = 0};
+  lane.find_moment();
 }
 
 SliceSteps::Step SliceSteps::take() {
@@ -32,11 +29,14 @@ SliceSteps::Step SliceSteps::take() {
   }
   Lane& lane = lanes_[earliest];
   const Step step{lane.axis, lane.direction, lane.moment};
-  lane.moment += lane.interval;
   if (--lane.steps_left == 0) {
     // Closing the gap keeps the lanes in axis order, which decides between simultaneous steps.
     --lane_count_;
     for (std::size_t i = earliest; i < lane_count_; ++i) lanes_[i] = lanes_[i + 1];
+  } else {
+    lane.next.distance += lane.direction * kOneStep;
+    lane.next.after = lane.moment;
+    lane.find_moment();
   }
   return step;
 }

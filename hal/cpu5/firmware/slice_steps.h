@@ -1,23 +1,35 @@
-// The steps of all axes within one slice of time, in the order in which they are due.
+// The steps of all axes on one piece of their path, in the order in which they are due.
 //
-// Within a slice (100 us) each axis is taken to move at constant speed. Against the cubic that is
-// wrong by at most a t^2 / 8: 0.00125 step at 10^6 steps/s^2, and zero at the slice's end.
+// A step is due when the axis passes the middle between two steps: nearest_step() changes there.
+// The moment is that of the segment's own cubic, at any acceleration. Where an axis turns round
+// within the piece, and comes back over a middle that it has passed, it makes no step: the motor
+// would only be sent to and fro.
 #pragma once
 
-#include "hal/cpu5/firmware/fixed_point.h"
+#include "hal/cpu5/firmware/hermite.h"
 
 namespace cnc::hal::cpu5::firmware {
+
+/// What one axis does on the piece.
+struct AxisPiece {
+  const Cubic& cubic;
+  StepPosition origin;  ///< where the cubic starts
+  StepPosition from;
+  StepPosition to;
+  PathTime after;   ///< of the cubic, at `from`
+  PathTime before;  ///< of the cubic, at `to`
+};
 
 class SliceSteps {
  public:
   struct Step {
     std::size_t axis;
-    int direction;        ///< +1 or -1
-    std::int64_t moment;  ///< part of the slice that has passed, in 2^-24
+    int direction;    ///< +1 or -1
+    PathTime moment;  ///< of the cubic
   };
 
-  /// The axis moves between two positions less than 2^31 steps apart. Once per axis and slice.
-  void add(std::size_t axis, StepPosition from, StepPosition to);
+  /// Once per axis; the cubic has to live until the last step is taken.
+  void add(std::size_t axis, const AxisPiece& piece);
 
   [[nodiscard]] bool empty() const { return lane_count_ == 0; }
   /// Takes the earliest step that is left; of simultaneous ones the first axis's. Not empty.
@@ -28,8 +40,11 @@ class SliceSteps {
     std::size_t axis;
     int direction;
     std::int64_t steps_left;
-    std::int64_t moment;    ///< of the next step
-    std::int64_t interval;  ///< from one step to the next
+    const Cubic* cubic;
+    Cubic::Passage next;
+    PathTime moment;  // of the next step
+
+    void find_moment() { moment = cubic->moment_of(next); }
   };
 
   PerAxis<Lane> lanes_;  // only the first lane_count_ are in use

@@ -1,0 +1,101 @@
+// The fast half of the core: plays planned slices. Each step leaves at its tick and is counted; an
+// armed latch looks at the inputs at each step, an estop is seen at the beginning of each slice.
+//
+// Who may interrupt whom, on a processor with one core: run_until() belongs to the step timer's
+// interrupt and may come in the middle of any other call; every other call belongs to the planning
+// side (core.h), of which one call never interrupts another. Between the two sides stand the ring
+// of slices, each index written by one side only, and flags of one byte.
+#pragma once
+
+#include <atomic>
+
+#include "hal/cpu5/firmware/board_io.h"
+#include "hal/cpu5/firmware/slice.h"
+
+namespace cnc::hal::cpu5::firmware {
+
+/// What playing has led to.
+struct Played {
+  Ticks time = 0;
+  PathPlace place{};
+  PerAxis<std::int64_t> counts{};
+  Inputs inputs{};
+  PerAxis<HomeLatch> home_latch{};
+  ProbeLatch probe_latch{};
+};
+
+class SlicePlayer {
+ public:
+  explicit SlicePlayer(BoardIo& io);
+
+  // --- the step interrupt ---
+
+  /// Plays all that is due up to `now`, which never goes back.
+  void run_until(Ticks now);
+  /// When run_until() has something to do next.
+  [[nodiscard]] Ticks next_due() const;
+
+  /// End of the slice that is being played, or is next; without one, no time comes before it.
+  [[nodiscard]] Ticks slice_end() const;
+
+  // --- the planning side ---
+
+  /// Slices are there until that moment; without one, the present.
+  [[nodiscard]] Ticks planned_until() const;
+  /// One slice is being played and the next is there, or no slice is free.
+  [[nodiscard]] bool full() const;
+  /// Nothing left to be played.
+  [[nodiscard]] bool idle() const { return read_ == written_; }
+  /// To be filled in; not when full(). commit() hands it over.
+  Slice& next_slice() { return ring_[written_ % kSlices]; }
+  void commit();
+  /// From now on no step leaves; what was planned is dropped.
+  void drop();
+
+  /// Faults seen since the last call. They have stopped the pulses already.
+  FaultBits take_alarms() { return alarms_.exchange(0); }
+  void arm_latch(std::size_t axis, Edge edge);
+  void disarm_latch(std::size_t axis) { played_.home_latch[axis].armed = false; }
+  /// Not, if the probe is active already.
+  void arm_probe();
+  void disarm_probe() { played_.probe_latch.armed = false; }
+
+  /// The inputs as they are at this moment.
+  [[nodiscard]] Inputs inputs_now() const { return io_.inputs(time()); }
+
+  /// As of the last run_until(), all of the same moment.
+  [[nodiscard]] Played played() const;
+  [[nodiscard]] Ticks time() const;
+
+ private:
+  static constexpr std::uint32_t kSlices = 8;
+
+  template <typename Read>
+  [[nodiscard]] auto undisturbed(Read read) const;
+
+  [[nodiscard]] const Slice& front() const { return ring_[read_ % kSlices]; }
+  void enter_slice();
+  void make_steps(Ticks now);
+  void leave_slice();
+  [[nodiscard]] bool may_play() const { return !idle() && !halted_; }
+  [[nodiscard]] PathPlace place_now() const;
+  void sample_inputs(Ticks now);
+  void watch_latch(std::size_t axis);
+  void watch_probe();
+  void raise(FaultBits alarm);
+
+  BoardIo& io_;
+  std::array<Slice, kSlices> ring_;
+  std::atomic<std::uint32_t> written_ = 0;
+  std::atomic<std::uint32_t> read_ = 0;
+  std::atomic<std::uint32_t> runs_ = 0;
+  std::atomic<bool> halted_ = false;
+  std::atomic<FaultBits> alarms_ = 0;
+
+  bool entered_ = false;  // the front slice is being played
+  std::uint32_t next_step_ = 0;
+  Played played_;  // its place: at the beginning of the front slice, or where the last one ended
+  PerAxis<bool> home_before_{};
+};
+
+}  // namespace cnc::hal::cpu5::firmware
