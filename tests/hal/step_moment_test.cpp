@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 
 #include "tests/hal/firmware_support.h"
+#include "tests/hal/pulse_strokes.h"
 
 using namespace cnc::hal::cpu5::firmware;
 
@@ -214,4 +215,12 @@ TEST_CASE("While the board itself slows the path down, a step is early or late b
     const double t = time(back);
     CHECK(static_cast<double>(back) == Approx(v * t + a * t * t / 2).margin(3 * 0.00125));
   }
+}
+
+TEST_CASE("Of 15 million pulses to and fro none is lost, doubled or out of its time",
+          "[hal][LNK-2]") {
+  // The whole day is tests/bench/pulse_soak.
+  PulseStrokes strokes;
+  for (int i = 0; i < 5; ++i) REQUIRE(strokes.stroke(30));
+  CHECK(strokes.pulses() == 5 * 3'010'000);
 }

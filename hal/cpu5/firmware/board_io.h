@@ -7,6 +7,8 @@ namespace cnc::hal::cpu5::firmware {
 
 class BoardIo {
  public:
+  /// Nothing moves. For boards with pins: how the pulses have to look.
+  virtual void set_up(const Setup& /*setup*/) {}
   /// One step; direction is +1 or -1. It is due at `when`, which never goes back from step to step:
   /// the present, or, as far as run_until() was called late, a little before.
   virtual void step(std::size_t axis, int direction, Ticks when) = 0;

@@ -1,5 +1,7 @@
 #include "hal/cpu5/firmware/core.h"
 
+#include "hal/cpu5/firmware/pulse_shaper.h"
+
 namespace cnc::hal::cpu5::firmware {
 namespace {
 
@@ -20,7 +22,7 @@ bool in_range(const Setup& setup) {
     if (limit < 0 || limit > kTopAcceleration) return false;
   }
   return setup.max_velocity > 0 && setup.max_velocity <= kTopVelocity && setup.host_timeout >= 0 &&
-         setup.index_timeout >= 0;
+         setup.index_timeout >= 0 && pulses_possible(setup);
 }
 
 }  // namespace
@@ -33,6 +35,7 @@ Core::Core(BoardIo& io) : io_(io), player_(io) {
 bool Core::set_up(const Setup& setup) {
   if (!in_range(setup) || moving()) return false;
   setup_ = setup;
+  io_.set_up(setup_);
   return true;
 }
 

@@ -99,6 +99,8 @@ class Core {
   void plan();
   void run_until(Ticks now) { player_.run_until(now); }
   [[nodiscard]] Ticks next_due() const { return player_.next_due(); }
+  /// From the step interrupt: the board itself cannot go on. Stops the pulses at once.
+  void report(FaultBits fault) { player_.raise(fault); }
 
   /// Plays and plans through the next `ticks` >= 0.
   void advance(Ticks ticks);

@@ -92,12 +92,21 @@ struct ProbeLatch {
   PerAxis<std::int64_t> counts{};
 };
 
+inline constexpr std::uint16_t kMaxDirectionTicks = 400;
+
 /// What the host decides once, before anything moves.
 struct Setup {
   StepVelocity max_velocity = 0;  ///< faster segments are refused; 1 … kTopVelocity
   Ticks host_timeout = 0;         ///< silence after which the link counts as lost; 0 = never
   Ticks index_timeout = 0;        ///< for a segment that waits for the spindle's index; 0 = never
   bool drives_off_on_fault = true;
+  // The drives' pulses (pulse_shaper.h). A pulse and its pause take twice the width, which has to
+  // fit into the period at max_velocity; direction times 0 … kMaxDirectionTicks.
+  std::uint16_t pulse_width = 10;       ///< ticks, at least 1
+  std::uint16_t direction_setup = 0;    ///< ticks from a change of direction to the pulse
+  std::uint16_t direction_hold = 0;     ///< ticks from a pulse's beginning to a change of direction
+  std::uint8_t step_inverted = 0;       ///< one bit per axis: the pulse is low
+  std::uint8_t direction_inverted = 0;  ///< one bit per axis: upwards is low
   /// That a stop along the path keeps to; 1 … kTopAcceleration, 0 = the axis sets no limit.
   PerAxis<StepAcceleration> max_acceleration{};
 };

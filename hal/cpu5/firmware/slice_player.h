@@ -35,6 +35,9 @@ class SlicePlayer {
   /// When run_until() has something to do next.
   [[nodiscard]] Ticks next_due() const;
 
+  /// Stops the pulses, and tells take_alarms().
+  void raise(FaultBits alarm);
+
   /// End of the slice that is being played, or is next; without one, no time comes before it.
   [[nodiscard]] Ticks slice_end() const;
 
@@ -82,7 +85,6 @@ class SlicePlayer {
   void sample_inputs(Ticks now);
   void watch_latch(std::size_t axis);
   void watch_probe();
-  void raise(FaultBits alarm);
 
   BoardIo& io_;
   std::array<Slice, kSlices> ring_;
