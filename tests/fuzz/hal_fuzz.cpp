@@ -84,7 +84,7 @@ Segment next_segment(Bytes& bytes, Segment& tail) {
   return segment;
 }
 
-void fill_frame(Bytes& bytes, HostFrame& frame, Segment& tail, const Core& core) {
+void fill_frame(Bytes& bytes, HostFrame& frame, Segment& tail, Core& core) {
   const auto flags = bytes.next<std::uint8_t>();
   frame.reset();
   frame.quick_stop = flags % 16 == 1;

@@ -28,7 +28,7 @@ class PulseStrokes final : public BoardIo {
   }
 
   [[nodiscard]] std::uint64_t pulses() const { return pulses_; }
-  [[nodiscard]] Ticks time() const { return core_.status().time; }
+  [[nodiscard]] Ticks time() const { return core_.time(); }
 
  private:
   static constexpr StepVelocity kSpeed = kOneStep / 100;  // 100 kHz

@@ -27,12 +27,32 @@ bool in_range(const Setup& setup) {
 
 }  // namespace
 
+class Core::HostCall {
+ public:
+  explicit HostCall(Core& core) : core_(core) { core_.host_inside_ = true; }
+  HostCall(const HostCall&) = delete;
+  HostCall& operator=(const HostCall&) = delete;
+  // Another plan() may be put off while one is made up for.
+  ~HostCall() {
+    core_.host_inside_ = false;
+    while (core_.plan_put_off_.exchange(false)) {
+      core_.host_inside_ = true;
+      core_.plan_now();
+      core_.host_inside_ = false;
+    }
+  }
+
+ private:
+  Core& core_;
+};
+
 Core::Core(BoardIo& io) : io_(io), player_(io) {
   io_.set_outputs(outputs_);
   if (player_.inputs_now().estop()) fail(kEstop);
 }
 
 bool Core::set_up(const Setup& setup) {
+  const HostCall call(*this);
   if (!in_range(setup) || moving()) return false;
   setup_ = setup;
   io_.set_up(setup_);
@@ -42,11 +62,13 @@ bool Core::set_up(const Setup& setup) {
 // --- the host's requests -------------------------------------------------------------------------
 
 void Core::host_alive() {
+  const HostCall call(*this);
   host_known_ = true;
   host_heard_ = player_.time();
 }
 
 void Core::host_left() {
+  const HostCall call(*this);
   host_known_ = false;
   if (moving()) {
     fail(kLinkLost);
@@ -57,6 +79,7 @@ void Core::host_left() {
 }
 
 bool Core::push(const Segment& segment) {
+  const HostCall call(*this);
   if (faults_ != 0 || path_stop_ == PathStop::stopped || cut_late_ || fifo_.free() == 0) {
     return false;
   }
@@ -97,6 +120,7 @@ bool Core::may_be_scaled(const Segment& segment) const {
 }
 
 void Core::cut_behind(std::uint32_t id) {
+  const HostCall call(*this);
   if (faults_ == 0) cut_late_ = path_stop_ != PathStop::none || !cut_fifo_behind(id);
 }
 
@@ -135,15 +159,23 @@ void Core::keep_waiting(std::uint32_t count) {
   any_id_ = true;
 }
 
-void Core::quick_stop() { stop_pulses(); }
+void Core::quick_stop() {
+  const HostCall call(*this);
+  stop_pulses();
+}
 
-void Core::stop_along_path() { begin_stop(); }
+void Core::stop_along_path() {
+  const HostCall call(*this);
+  begin_stop();
+}
 
 void Core::release_stop() {
+  const HostCall call(*this);
   if (path_stop_ == PathStop::stopped) path_stop_ = PathStop::none;
 }
 
 void Core::clear_faults() {
+  const HostCall call(*this);
   stop_pulses();
   player_.take_alarms();
   faults_ = 0;
@@ -151,6 +183,7 @@ void Core::clear_faults() {
 }
 
 bool Core::set_outputs(const Outputs& outputs) {
+  const HostCall call(*this);
   if (faults_ != 0) return false;
   outputs_ = outputs;
   io_.set_outputs(outputs_);
@@ -162,6 +195,7 @@ void Core::arm_latch(std::size_t axis, Edge edge) { player_.arm_latch(axis, edge
 void Core::disarm_latch(std::size_t axis) { player_.disarm_latch(axis); }
 
 void Core::arm_probe() {
+  const HostCall call(*this);
   player_.arm_probe();
   probe_awaited_ = true;
   if (player_.played().probe_latch.active_at_arming) begin_stop();
@@ -224,8 +258,8 @@ bool Core::under_way() const { return executing_ || !player_.idle(); }
 
 bool Core::moving() const { return under_way() || !fifo_.empty(); }
 
-
-Status Core::status() const {
+Status Core::status() {
+  const HostCall call(*this);
   const Played played = player_.played();
   const Ticks planned_ahead = player_.idle() ? 0 : player_.planned_until() - played.time;
   const Ticks rest = executing_ ? segment_.duration - (elapsed_ >> kPathFractionBits) : 0;

@@ -99,15 +99,21 @@ class Core {
   void plan();
   void run_until(Ticks now) { player_.run_until(now); }
   [[nodiscard]] Ticks next_due() const { return player_.next_due(); }
+  /// Whether plan() has something to do that cannot wait; for the step interrupt.
+  [[nodiscard]] bool wants_plan() const { return player_.alarmed() || !player_.full(); }
   /// From the step interrupt: the board itself cannot go on. Stops the pulses at once.
   void report(FaultBits fault) { player_.raise(fault); }
 
   /// Plays and plans through the next `ticks` >= 0.
   void advance(Ticks ticks);
 
-  [[nodiscard]] Status status() const;
+  [[nodiscard]] Status status();
 
  private:
+  /// Keeps plan() out of one of the host's calls, and makes up for it.
+  class HostCall;
+
+  void plan_now();
   [[nodiscard]] bool acceptable(const Segment& segment) const;
   [[nodiscard]] bool may_be_scaled(const Segment& segment) const;
   [[nodiscard]] bool host_silent() const;
@@ -141,6 +147,8 @@ class Core {
 
   BoardIo& io_;
   SlicePlayer player_;
+  std::atomic<bool> host_inside_ = false;
+  std::atomic<bool> plan_put_off_ = false;
   Setup setup_;
   Outputs outputs_;
   FaultBits faults_ = 0;

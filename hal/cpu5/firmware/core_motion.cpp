@@ -26,6 +26,14 @@ void Core::advance(Ticks ticks) {
 }
 
 void Core::plan() {
+  if (host_inside_) {
+    plan_put_off_ = true;
+  } else {
+    plan_now();
+  }
+}
+
+void Core::plan_now() {
   if (const FaultBits alarms = player_.take_alarms(); alarms != 0) fail(alarms);
   const Played played = player_.played();
   spindle_.see(played.inputs.index_count, played.inputs.index_time);

@@ -57,6 +57,7 @@ class SlicePlayer {
 
   /// Faults seen since the last call. They have stopped the pulses already.
   FaultBits take_alarms() { return alarms_.exchange(0); }
+  [[nodiscard]] bool alarmed() const { return alarms_ != 0; }
   void arm_latch(std::size_t axis, Edge edge);
   void disarm_latch(std::size_t axis) { played_.home_latch[axis].armed = false; }
   /// Not, if the probe is active already.
