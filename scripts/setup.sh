@@ -6,6 +6,7 @@ packages_build=(
   build-essential cmake ninja-build ccache pkg-config
   libboost1.81-dev libgrpc++-dev libprotobuf-dev protobuf-compiler protobuf-compiler-grpc
   libeigen3-dev libspdlog-dev libfmt-dev libcli11-dev nlohmann-json3-dev libfast-float-dev
+  libtomlplusplus-dev
 )
 packages_gui=(qt6-base-dev)
 packages_test=(catch2 xvfb xauth xdotool x11-apps)

@@ -7,8 +7,8 @@ namespace cnc::hal::sim {
 
 using cpu5::firmware::Ticks;
 
-VirtualBoard::VirtualBoard(const config::MachineConfig& config, const MachineOptions& options)
-    : machine_(config, options) {
+VirtualBoard::VirtualBoard(const config::MachineConfig& config, const Scenario& scenario)
+    : machine_(config, scenario.machine), player_(scenario.events), trouble_(scenario.link) {
   start();
 }
 
@@ -18,10 +18,9 @@ void VirtualBoard::start() {
       *core_, cpu5::firmware::BoardName{.serial = 1, .boot = ++boots_, .name = {"virtual board"}});
 }
 
-// The machine's physics go on with the time that they have, so the new core's begins there too.
 void VirtualBoard::reset() {
+  machine_.restart_board();
   start();
-  core_->advance(time_);
 }
 
 // From the distance to power-up, not from call to call: rounding to ticks cannot add up.
@@ -29,8 +28,20 @@ void VirtualBoard::advance_to(double now) {
   if (!power_up_) power_up_ = now;
   now_ = now;
   const Ticks time = std::llround((now - *power_up_) * double{cpu5::firmware::kTicksPerSecond});
+  while (player_.next() <= time) play_events();
+  advance_core_to(time);
+}
+
+void VirtualBoard::advance_core_to(Ticks time) {
   core_->advance(std::max<Ticks>(time - time_, 0));
   time_ = std::max(time, time_);
+}
+
+void VirtualBoard::play_events() {
+  advance_core_to(player_.next());
+  Stage stage{machine_, trouble_};
+  player_.advance(time_, stage);
+  if (stage.reset_board) reset();
 }
 
 std::span<const std::uint8_t> VirtualBoard::answer(std::span<const std::uint8_t> packet) {

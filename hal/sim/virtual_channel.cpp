@@ -9,7 +9,7 @@ void VirtualChannel::set_time(double now) {
 }
 
 void VirtualChannel::send(std::span<const std::uint8_t> packet) {
-  to_board_.put(packet, now_, trouble_);
+  to_board_.put(packet, now_, trouble());
   deliver();
 }
 
@@ -18,7 +18,7 @@ void VirtualChannel::deliver() {
   for (auto arrival = to_board_.next_arrival(); arrival && *arrival <= now_;
        arrival = to_board_.next_arrival()) {
     if (*arrival > board_.now()) board_.advance_to(*arrival);
-    to_host_.put(board_.answer(to_board_.take(now_)), *arrival, trouble_);
+    to_host_.put(board_.answer(to_board_.take(now_)), *arrival, trouble());
   }
 }
 

@@ -10,12 +10,12 @@ namespace cnc::hal::sim {
 
 class VirtualChannel final : public cpu5::PacketChannel {
  public:
-  VirtualChannel(const config::MachineConfig& config, const MachineOptions& options)
-      : board_(config, options) {}
+  VirtualChannel(const config::MachineConfig& config, const Scenario& scenario)
+      : board_(config, scenario) {}
 
   [[nodiscard]] VirtualBoard& board() { return board_; }
   /// From now on.
-  [[nodiscard]] LinkTrouble& trouble() { return trouble_; }
+  [[nodiscard]] LinkTrouble& trouble() { return board_.trouble(); }
 
   Result<void> open() override { return {}; }
   void close() override {}
@@ -28,7 +28,6 @@ class VirtualChannel final : public cpu5::PacketChannel {
   void deliver();
 
   VirtualBoard board_;
-  LinkTrouble trouble_;
   TroubledLine to_board_{1};
   TroubledLine to_host_{2};
   double now_ = 0.0;

@@ -4,7 +4,8 @@ namespace cnc::hal::sim {
 
 std::unique_ptr<VirtualController> make_virtual_controller(const config::MachineConfig& config,
                                                            const SimOptions& options) {
-  auto channel = std::make_unique<VirtualChannel>(config, options.machine);
+  auto channel = std::make_unique<VirtualChannel>(
+      config, Scenario{.machine = options.machine, .link = options.link, .events = options.events});
   VirtualChannel& end = *channel;
   auto port = std::make_unique<cpu5::WirePort>(std::move(channel), options.wire);
   return std::unique_ptr<VirtualController>(

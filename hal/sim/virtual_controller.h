@@ -16,6 +16,8 @@ struct SimOptions {
   MachineOptions machine{};
   cpu5::DriverSettings driver{};
   cpu5::WireSettings wire{};
+  LinkTrouble link{};  ///< from power-up on
+  std::vector<ScenarioEvent> events{};
 };
 
 class VirtualController final : public cpu5::Cpu5Driver {

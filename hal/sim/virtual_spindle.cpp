@@ -1,5 +1,6 @@
 #include "hal/sim/virtual_spindle.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace cnc::hal::sim {
@@ -13,7 +14,8 @@ constexpr double kStandstill = 0.1;  // rpm below which friction wins
 VirtualSpindle::VirtualSpindle(const SpindleOptions& options)
     : options_(options),
       clock_(kStep),
-      gain_(1.0 - std::exp(-clock_.step_seconds() / options.time_constant)) {}
+      gain_(1.0 - std::exp(-clock_.step_seconds() / options.time_constant)),
+      highest_change_(options.acceleration * clock_.step_seconds()) {}
 
 void VirtualSpindle::advance(Ticks now) {
   if (target_ == 0.0 && speed_ == 0.0) return clock_.skip_to(now);
@@ -21,20 +23,20 @@ void VirtualSpindle::advance(Ticks now) {
 }
 
 bool VirtualSpindle::sync_input() const {
-  return angle_ - std::floor(angle_) < options_.sync_width;
+  return !index_missing_ && angle_ - std::floor(angle_) < options_.sync_width;
 }
 
 // Within a step the speed is its mean, so the pulse's moment follows from the part of the way. A
 // pulse comes where a whole revolution is reached or passed.
 void VirtualSpindle::turn() {
   const double before = speed_;
-  speed_ += (target_ - speed_) * gain_;
+  speed_ += std::clamp((target_ - speed_) * gain_, -highest_change_, highest_change_);
   if (target_ == 0.0 && std::abs(speed_) < kStandstill) speed_ = 0.0;
   const double way = (before + speed_) / 2 / 60.0 * clock_.step_seconds();
   const double from = angle_;
   angle_ += way;
   const double passed = std::abs(std::floor(angle_) - std::floor(from));
-  if (passed == 0.0) return;
+  if (passed == 0.0 || index_missing_) return;
   const double last = way > 0.0 ? std::floor(angle_) : std::floor(angle_) + 1.0;
   pulses_ += static_cast<std::uint32_t>(passed);
   last_pulse_ = clock_.time() - clock_.step() +

@@ -28,6 +28,8 @@ config::MachineConfig three_axis_machine() {
     config.axes[axis].steps_per_unit = 200.0;
     config.axes[axis].negative_limit = -500.0;
     config.axes[axis].positive_limit = 500.0;
+    config.axes[axis].velocity = kSpeed;
+    config.axes[axis].acceleration = 250.0;  // 100^2 / 50 on the circle, and the run-up across it
   }
   return config;
 }
@@ -72,7 +74,12 @@ int main() {
   }
   const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin;
 
-  std::printf("virtual machine: %.0f s of motion in %.3f s, %.0f times real time, faults %u\n", now,
-              spent.count(), now / spent.count(), unsigned{status->faults});
-  return status->faults == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
+  std::uint64_t lost = 0;
+  for (const Axis axis : kLinearAxes) lost += controller->machine().lost_steps(axis);
+  std::printf(
+      "virtual machine: %.0f s of motion in %.3f s, %.0f times real time, faults %u, "
+      "lost steps %llu\n",
+      now, spent.count(), now / spent.count(), unsigned{status->faults},
+      static_cast<unsigned long long>(lost));
+  return status->faults == 0 && lost == 0 ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -191,7 +191,7 @@ TEST_CASE("Clear, outputs and motion may be asked for in one exchange", "[hal][S
   hand.status();
   hand.wait(0.1);
   CHECK(hand.status().faults == 0);
-  CHECK(controller->machine().physical_position(Axis::X) == Approx(0.0).margin(1e-9));
+  CHECK(hand.status().position[Axis::X] == Approx(0.0).margin(1e-9));
 }
 
 TEST_CASE("Outputs asked for before a clear stay off", "[hal][STA-2]") {

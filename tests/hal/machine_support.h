@@ -8,7 +8,8 @@
 
 namespace cnc::hal::sim {
 
-/// X Y Z on ports 1 … 3, 200 steps/mm, travel -100 … 300 mm, homing to the positive end.
+/// X Y Z on ports 1 … 3, 200 steps/mm, travel -100 … 300 mm, homing to the positive end. As fast as
+/// Hand moves it: 5 mm from rest to rest in 0.1 s begin with 6 * 5 / 0.1^2 = 3000 mm/s^2.
 inline config::MachineConfig small_machine() {
   config::MachineConfig config;
   std::int32_t port = 0;
@@ -18,6 +19,8 @@ inline config::MachineConfig small_machine() {
     motor.steps_per_unit = 200.0;
     motor.negative_limit = -100.0;
     motor.positive_limit = 300.0;
+    motor.velocity = 75.0;
+    motor.acceleration = 3000.0;
     motor.home_velocity = 20.0;
     motor.home_position = 301.0;
   }

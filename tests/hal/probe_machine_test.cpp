@@ -83,9 +83,9 @@ TEST_CASE("Probing the stock latches the step at which the tip touches it", "[ha
   CHECK(status.path_stop == PathStop::stopped);
   CHECK(status.fifo_count == 0);
   CHECK(status.inputs.probe);
-  // 20 mm/s against the default 200 mm/s^2: v^2 / 2a = 1 mm, and less than two slices of 100 us.
+  // 20 mm/s against 3000 mm/s^2: v^2 / 2a = 1/15 mm, and less than two slices of 100 us.
   const double overshoot = status.probe_latch.position[Axis::Z] - status.position[Axis::Z];
-  CHECK(overshoot == Approx(1.0).margin(0.01));
+  CHECK(overshoot == Approx(1.0 / 15).margin(0.005));
 }
 
 TEST_CASE("The latched position keeps the counting of the moment of the touch", "[hal][LNK-6]") {

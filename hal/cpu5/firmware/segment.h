@@ -55,6 +55,7 @@ struct Inputs {
   std::int32_t hand_wheel_count = 0;                 ///< of the counting unit; wraps
   std::uint32_t index_count = 0;                     ///< spindle index pulses; wraps
   Ticks index_time = 0;                              ///< when the capture unit saw the last one
+  std::uint8_t alarm = 0;  ///< one bit per axis: its drive reports a lost step or a fault of its own
 
   [[nodiscard]] bool estop() const { return estop1 || estop2; }
 };
