@@ -48,6 +48,13 @@ void read_general(ScenarioTable& table, MachineOptions& options) {
   }
   table.read("stop_margin", options.stop_margin, kMarginRange);
   table.read("limit_switch_margin", options.limit_switch_margin, kMarginRange);
+  if (options.limit_switch_margin > options.stop_margin) {
+    table.refuse(
+        ErrorCode::scenario_contradiction,
+        fmt::format("A limit switch {} behind the travel is never reached: the hard stop is "
+                    "at stop_margin, {}. limit_switch_margin has to be less.",
+                    options.limit_switch_margin, options.stop_margin));
+  }
   table.read("switch_hysteresis", options.switch_hysteresis, kMarginRange);
   table.read("switch_bounce", options.switch_bounce, kBounceRange);
   table.read("loop_back_delay", options.loop_back_delay, kBounceRange);
@@ -134,7 +141,10 @@ void read_tool_setter(ScenarioTable& table, MachineOptions& options) {
 
 void read_tool(ScenarioTable& table, MachineOptions& options) {
   const auto number = static_cast<int>(table.whole_number("number", kToolRange));
-  options.touch.tool_lengths[number] = table.number("length", {0.0, 1000.0, "mm"});
+  const double length = table.number("length", {0.0, 1000.0, "mm"});
+  if (options.touch.tool_lengths.emplace(number, length).second) return;
+  table.refuse(ErrorCode::scenario_contradiction,
+               fmt::format("Tool {} stands in the scenario twice.", number));
 }
 
 void read_spindle(ScenarioTable& table, MachineOptions& options) {
