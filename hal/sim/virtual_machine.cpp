@@ -132,10 +132,7 @@ void VirtualMachine::stick_door(std::optional<bool> state) { door_contact_.stick
 
 void VirtualMachine::set_outputs(const cpu5::firmware::Outputs& outputs) {
   outputs_ = outputs;
-  for (VirtualMotor& motor : motors_.values) {
-    motor.advance(now_);
-    motor.set_drive(outputs.drives_enabled);
-  }
+  for (VirtualMotor& motor : motors_.values) motor.set_drive(outputs.drives_enabled);
   if (loop_back_) loop_back_->set_outputs(outputs.ports & present_ports_, now_);
   drive_spindle();
 }
@@ -159,9 +156,9 @@ Inputs VirtualMachine::inputs(Ticks now) {
   return result;
 }
 
-// The motors have been given their steps up to the last look, and not yet those up to this one.
+// The board looks at its inputs when it has made every step that is due.
 void VirtualMachine::pass_time(Ticks now) {
-  for (VirtualMotor& motor : motors_.values) motor.advance(now_);
+  for (VirtualMotor& motor : motors_.values) motor.advance(now);
   const bool coolant_cut_off = door_ && door_->stops_coolant && door_open_;
   if (outputs_.mist && !coolant_cut_off) mist_ticks_ += now - now_;
   if (outputs_.flood && !coolant_cut_off) flood_ticks_ += now - now_;

@@ -36,8 +36,8 @@ void live_through(const Scenario& scenario) {
   Stage stage{machine, trouble};
   machine.set_outputs({.drives_enabled = true, .tool_direction = true, .spindle_pwm = 1000});
   for (cnc::hal::cpu5::firmware::Ticks now = 0; now < 200'000; now += 10'000) {
-    machine.step(0, 1);
-    machine.step(2, -1);
+    machine.step(0, 1, now);
+    machine.step(2, -1, now);
     const auto inputs = machine.inputs(now);
     for (const std::uint32_t analog : inputs.analog) {
       require(analog <= cnc::hal::cpu5::firmware::Inputs::kFullAnalog);
