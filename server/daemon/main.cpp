@@ -10,6 +10,8 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "hal/cpu5/driver/board_address.h"
+#include "hal/cpu5/driver/wire_port.h"
 #include "hal/sim/virtual_controller.h"
 #include "server/daemon/data_folder.h"
 #include "server/daemon/link_thread.h"
@@ -30,6 +32,7 @@ struct Options {
   std::filesystem::path config;
   std::filesystem::path jobs = std::filesystem::current_path();
   std::vector<std::string> settings;
+  std::string board = "virtual";
   std::string socket;
   std::vector<std::string> listen{"127.0.0.1:50871"};
   std::string log_level = "info";
@@ -82,6 +85,38 @@ void stop_machine(TaskThread& executor, Machine& machine) {
   if (!done) spdlog::warn("The machine did not come to rest in time.");
 }
 
+/// What the machine hangs on, and what can be done to it if it is only simulated.
+struct Board {
+  std::unique_ptr<hal::Controller> controller;
+  std::string name;
+  std::function<void(bool)> press_estop{};
+};
+
+Board make_virtual_board(const config::MachineConfig& config,
+                         const hal::cpu5::DriverSettings& driver) {
+  auto controller = hal::sim::make_virtual_controller(
+      config, {.machine = {.touch = virtual_bench(config)}, .driver = driver});
+  auto& machine = controller->machine();
+  return {std::move(controller), "virtual CPU5 board",
+          [&machine](bool pressed) { machine.press_estop(pressed); }};
+}
+
+Result<Board> make_board(const std::string& address, const config::MachineConfig& config) {
+  const hal::cpu5::DriverSettings driver{
+      .max_step_frequency = static_cast<double>(config.connection.max_step_frequency)};
+  if (address == "virtual") return make_virtual_board(config, driver);
+  auto channel = hal::cpu5::make_channel(address);
+  if (!channel) return std::unexpected(channel.error());
+  const std::string name = "CPU5 board at " + (*channel)->name();
+  auto port = std::make_unique<hal::cpu5::WirePort>(std::move(*channel), hal::cpu5::WireSettings{});
+  return Board{std::make_unique<hal::cpu5::Cpu5Driver>(config, driver, std::move(port)), name};
+}
+
+/// A board that is silent or busy may be there later: the link goes on trying.
+bool may_come_later(const Error& error) {
+  return error.code == ErrorCode::board_silent || error.code == ErrorCode::board_busy;
+}
+
 int serve(const Options& options) {
   auto folder = DataFolder::open(options.data);
   if (!folder) return report(folder.error());
@@ -91,14 +126,16 @@ int serve(const Options& options) {
     return EXIT_FAILURE;
   }
 
-  auto controller = hal::sim::make_virtual_controller(
-      data->config, {.machine = {.touch = virtual_bench(data->config)}});
-  auto& virtual_machine = controller->machine();
-  if (auto connected = controller->connect(); !connected) return report(connected.error());
+  auto board = make_board(options.board, data->config);
+  if (!board) return report(board.error());
+  if (auto connected = board->controller->connect(); !connected) {
+    if (!may_come_later(connected.error())) return report(connected.error());
+    spdlog::warn("{} It is tried again.", connected.error().to_string());
+  }
 
   const Epoch epoch = std::chrono::steady_clock::now();
   MessageLog log;
-  Link link(std::move(controller));
+  Link link(std::move(board->controller));
   Machine machine(std::move(*data), link, log);
   TaskThread files;
   TaskThread fanout;
@@ -114,10 +151,10 @@ int serve(const Options& options) {
                  files,
                  options.jobs,
                  std::filesystem::absolute(options.data) / "dialogPictures",
-                 "virtual CPU5 board",
+                 board->name,
                  link_thread.priority_refused().empty(),
                  std::chrono::duration<double>(kLinkPeriod).count(),
-                 [&virtual_machine](bool pressed) { virtual_machine.press_estop(pressed); }};
+                 board->press_estop};
   std::vector<std::string> addresses = options.listen;
   addresses.insert(addresses.begin(), "unix://" + options.socket);
   auto server = rpc::GrpcServer::start(host, addresses);
@@ -167,6 +204,9 @@ int main(int argc, char** argv) {
                  "Overrides a setting: SECTION.key=value; may be repeated");
   app.add_option("--jobs", options.jobs, "Folder in which relative job paths begin")
       ->check(CLI::ExistingDirectory)
+      ->capture_default_str();
+  app.add_option("--board", options.board,
+                 "Controller board: virtual (built in), auto, udp:HOST[:PORT] or serial:DEVICE")
       ->capture_default_str();
   app.add_option("--socket", options.socket, "Unix socket for clients on this computer")
       ->capture_default_str();
