@@ -101,10 +101,14 @@ Board make_virtual_board(const config::MachineConfig& config,
           [&machine](bool pressed) { machine.press_estop(pressed); }};
 }
 
+/// A silent host is lost so soon that the rest of the FIFO suffices to brake along the path, s.
+constexpr double kHostTimeout = 0.1;
+
 Result<Board> make_board(const std::string& address, const config::MachineConfig& config) {
-  const hal::cpu5::DriverSettings driver{
-      .max_step_frequency = static_cast<double>(config.connection.max_step_frequency)};
+  hal::cpu5::DriverSettings driver{.max_step_frequency =
+                                       static_cast<double>(config.connection.max_step_frequency)};
   if (address == "virtual") return make_virtual_board(config, driver);
+  driver.host_timeout = kHostTimeout;
   auto channel = hal::cpu5::make_channel(address);
   if (!channel) return std::unexpected(channel.error());
   const std::string name = "CPU5 board at " + (*channel)->name();

@@ -35,7 +35,7 @@ std::filesystem::path folder() {
 class Simulator {
  public:
   explicit Simulator(const std::vector<std::string>& more = {})
-      : process_(arguments(more), (folder() / "cpu5sim").string()) {
+      : process_(arguments(more), (folder() / ("cpu5sim" + std::to_string(++count()))).string()) {
     const auto until = Clock::now() + kPatience;
     while (process_.out().find('\n') == std::string::npos) {
       REQUIRE(Clock::now() < until);
@@ -52,6 +52,11 @@ class Simulator {
   void kill() const { process_.signal(SIGKILL); }
 
  private:
+  /// So that none reads what an earlier one has printed.
+  static int& count() {
+    static int simulators = 0;
+    return simulators;
+  }
   static std::vector<std::string> arguments(const std::vector<std::string>& more) {
     std::vector<std::string> all{CPU5SIM, "--port", "0", "--pty", (folder() / "board").string()};
     all.insert(all.end(), more.begin(), more.end());
@@ -112,7 +117,8 @@ TEST_CASE("A job runs on a board behind a socket, and behind a serial line",
   const Simulator simulator;
   const bool by_serial = GENERATE(false, true);
   Host host(by_serial ? Simulator::serial() : simulator.udp());
-  REQUIRE(host.driver->connect());
+  if (const auto connected = host.driver->connect(); !connected)
+    FAIL(connected.error().to_string());
   host.driver->set_outputs({.drives_enabled = true});
   host.run_job();
   CHECK(host.cycle().faults == 0);
@@ -123,7 +129,8 @@ TEST_CASE("A job runs on a board behind a socket, and behind a serial line",
 TEST_CASE("A job over a bad network takes every step", "[hal][LNK-4][LNK-9]") {
   const Simulator simulator({"--loss", "0.05", "--jitter", "0.02"});
   Host host(simulator.udp());
-  REQUIRE(host.driver->connect());
+  if (const auto connected = host.driver->connect(); !connected)
+    FAIL(connected.error().to_string());
   host.run_job();
   CHECK(host.cycle().faults == 0);
   CHECK(host.cycle().position[Axis::X] == Approx(0.0).margin(1e-9));
@@ -132,7 +139,8 @@ TEST_CASE("A job over a bad network takes every step", "[hal][LNK-4][LNK-9]") {
 TEST_CASE("A second host is told that the board is taken", "[hal][LNK-9]") {
   const Simulator simulator;
   Host first(simulator.udp());
-  REQUIRE(first.driver->connect());
+  if (const auto connected = first.driver->connect(); !connected)
+    FAIL(connected.error().to_string());
   std::atomic<bool> done{false};
   std::thread alive([&] {
     while (!done) first.cycle();
@@ -148,7 +156,8 @@ TEST_CASE("A second host is told that the board is taken", "[hal][LNK-9]") {
 TEST_CASE("A board that died is missed", "[hal][LNK-4][LNK-9]") {
   const Simulator simulator;
   Host host(simulator.udp());
-  REQUIRE(host.driver->connect());
+  if (const auto connected = host.driver->connect(); !connected)
+    FAIL(connected.error().to_string());
   REQUIRE(host.cycle().connected);
   simulator.kill();
   REQUIRE(host.becomes([](const ControllerStatus& status) { return !status.connected; }));

@@ -228,21 +228,51 @@ TEST_CASE("A quick stop drops what is queued, and motion goes on from where it s
   CHECK(rig.core.status().counts[0] == 60);
 }
 
-TEST_CASE("A silent host: what is queued is finished, then the link counts as lost",
+TEST_CASE("A silent host: the board brakes along the path, then the link counts as lost",
           "[hal][LNK-4]") {
   Setup setup = kFastBoard;
   setup.host_timeout = ticks(0.005);
+  // 10 kHz in 10 ms, where the way is as long as it takes: 50 steps.
+  setup.max_acceleration.fill(std::llround(std::ldexp(1e6 / 1e14, kAccelerationBits)));
   Rig rig(setup);
   rig.core.host_alive();
   rig.push_run();
-  REQUIRE(rig.core.push(x_segment(3, 0.010, 200)));
-  rig.core.advance(ticks(0.029));
+  for (std::uint32_t i = 3; i < 12; ++i) {
+    REQUIRE(rig.core.push(x_segment(i, 0.010, 100.0 * i - 150.0, 10'000)));
+  }
+  for (int i = 0; i < 3; ++i) {
+    rig.core.advance(ticks(0.004));
+    rig.core.host_alive();
+  }
+  rig.core.advance(ticks(0.014));
   CHECK(rig.core.status().faults == 0);
+  CHECK(rig.core.status().path_stop == PathStop::stopping);
   CHECK(rig.board.last_outputs == kEverythingOn);
-  rig.core.advance(ticks(0.001));
+  rig.core.advance(ticks(0.003));
   CHECK(rig.core.status().faults == kLinkLost);
-  CHECK(rig.core.status().counts[0] == 200);
+  // Heard at 12 ms, at step 70; lost at 17 ms and 120; planned ahead by up to 0.3 ms.
+  CHECK(static_cast<double>(rig.core.status().counts[0]) == Approx(120 + 50).margin(4));
   CHECK(rig.board.last_outputs == Outputs{});
+}
+
+TEST_CASE("A host that goes while the machine moves stops it; one that goes later leaves it safe",
+          "[hal][LNK-4]") {
+  Rig rig;
+  rig.core.host_alive();
+  rig.push_run();
+  REQUIRE(rig.core.push(x_segment(3, 0.010, 200)));
+  rig.core.advance(ticks(0.015));
+  rig.core.host_left();
+  rig.core.advance(ticks(0.020));
+  CHECK(rig.core.status().faults == kLinkLost);
+  CHECK(rig.board.last_outputs == Outputs{});
+
+  rig.core.clear_faults();
+  REQUIRE(rig.core.set_outputs(kEverythingOn));
+  rig.core.host_left();
+  CHECK(rig.board.last_outputs == Outputs{});
+  rig.core.advance(ticks(1.0));
+  CHECK(rig.core.status().faults == 0);
 }
 
 TEST_CASE("A host that speaks in time keeps the link, moving or not", "[hal][LNK-4]") {

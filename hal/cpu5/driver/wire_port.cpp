@@ -67,12 +67,12 @@ Result<wire::Identity> WirePort::open(const firmware::Setup& setup) {
   auto next_greeting = std::chrono::steady_clock::time_point{};
   while (std::chrono::steady_clock::now() < until) {
     if (std::chrono::steady_clock::now() >= next_greeting) {
-      greet();
+      state_ == State::running ? poll() : greet();
       next_greeting = std::chrono::steady_clock::now() +
                       std::chrono::milliseconds(std::lround(1e3 * kGreetingInterval));
     }
     receive_all();
-    if (state_ == State::running) return identity_;
+    if (answer_.connected) return identity_;
     if (refusal_ && refusal_->reason != RefusalReason::busy) break;
     std::this_thread::sleep_for(kOpenPause);
   }
@@ -135,7 +135,7 @@ void WirePort::take_welcome(ByteReader& body) {
   boot_ = identity.boot;
   boot_known_ = true;
   state_ = State::running;
-  unanswered_since_.reset();
+  note_answer();
   sequence_ = executed_ = waiting_ = newest_answer_ = stops_ = 0;
   smoothed_trip_ = trip_deviation_ = 0.0;
   answer_.status = {};
@@ -202,9 +202,14 @@ void WirePort::poll() {
   ++answer_.packets.sent;
 }
 
+void WirePort::note_answer() {
+  asked_ = false;
+  unanswered_since_.reset();
+}
+
 void WirePort::note_asking() {
   sent_at_ = now_;
-  if (!unanswered_since_) unanswered_since_ = now_;
+  asked_ = true;
 }
 
 /// A frame behind which another one has arrived is taken for lost after a round trip.
@@ -231,8 +236,9 @@ void WirePort::receive(double now) {
   channel_->set_time(now);
   if (state_ == State::closed) return;
   receive_all();
-  const bool silent = unanswered_since_ && now_ - *unanswered_since_ > settings_.silence;
-  if (state_ == State::running && silent) lose_link();
+  if (state_ != State::running || !asked_) return;
+  if (!unanswered_since_) unanswered_since_ = now_;
+  if (now_ - *unanswered_since_ > settings_.silence) lose_link();
 }
 
 const BoardAnswer& WirePort::exchange() {
@@ -285,7 +291,7 @@ void WirePort::take_status(ByteReader& body) {
   newest_answer_ = numbers.answer;
   executed_ = numbers.executed;
   waiting_ = numbers.waiting;
-  unanswered_since_.reset();
+  note_answer();
   answer_.frames_done = frames_sent_ - on_their_way();
   answer_.status = status_;
   take_round_trip(numbers.stamp);

@@ -60,6 +60,7 @@ class WirePort : public BoardPort {
   void send_again(Sent& frame);
   void poll();
   void note_asking();
+  void note_answer();
   void lose_link();
   [[nodiscard]] std::uint32_t stamp() const;
   [[nodiscard]] std::uint32_t on_their_way() const { return sequence_ - executed_; }
@@ -71,7 +72,8 @@ class WirePort : public BoardPort {
   State state_ = State::closed;
   double now_ = 0.0;
   double greeted_at_ = -1.0;
-  std::optional<double> unanswered_since_;  // when the first packet after the last answer was sent
+  bool asked_ = false;                      // something that is to be answered
+  std::optional<double> unanswered_since_;  // the first look for an answer that was in vain
 
   std::uint32_t session_ = 0;
   std::uint32_t boot_ = 0;

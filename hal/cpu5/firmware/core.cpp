@@ -69,9 +69,9 @@ void Core::host_alive() {
 
 void Core::host_left() {
   const HostCall call(*this);
-  host_known_ = false;
+  host_known_ = moving();
   if (moving()) {
-    fail(kLinkLost);
+    host_heard_ = kHostGone;
   } else {
     outputs_ = safe_outputs();
     io_.set_outputs(outputs_);

@@ -39,6 +39,10 @@
 // own speed, and that of what comes after it up to the next standstill, leaves that room below
 // Setup::max_velocity.
 //
+// A host that has not been heard for Setup::host_timeout is lost: the board stops along the path,
+// and then it is the fault kLinkLost. The FIFO has to hold what braking takes, or it runs dry
+// before.
+//
 // Every fault stops the pulses at once, empties the FIFO, makes the outputs safe, and holds until
 // clear_faults(): meanwhile segments and outputs are refused. Where the pulses stopped is where the
 // next segment starts.
@@ -69,7 +73,7 @@ class Core {
 
   /// The host was heard; it counts from the first call on.
   void host_alive();
-  /// It has said that it goes: outputs become safe, and a motion is stopped as for a silent host.
+  /// It has said that it goes: outputs become safe, a motion is stopped as for a silent host.
   void host_left();
   [[nodiscard]] Ticks time() const { return player_.time(); }
   [[nodiscard]] bool moving() const;
@@ -154,6 +158,7 @@ class Core {
   FaultBits faults_ = 0;
   Ticks host_heard_ = 0;
   bool host_known_ = false;
+  static constexpr Ticks kHostGone = -1;  // of host_heard_: it has said so
 
   SegmentFifo<kFifoCapacity> fifo_;
   Ticks fifo_ticks_ = 0;

@@ -41,16 +41,18 @@ void Core::plan_now() {
     probe_awaited_ = false;
     begin_stop();
   }
+  // What a silent host has sent need not end at a standstill: the board brakes along it.
+  const bool host_is_lost = faults_ == 0 && host_silent();
+  if (host_is_lost) begin_stop();
   while (!player_.full() && has_path()) plan_slice();
   if (stop_is_planned_ && player_.idle()) complete_stop();
-  if (!moving() && host_silent()) fail(kLinkLost);
+  if (host_is_lost && path_stop_ == PathStop::stopped) fail(kLinkLost);
 }
 
-// What the host has sent ends in a planned stop as long as the host is well, so a silent one's
-// segments are still executed: that is gentler than a stop on the spot.
 bool Core::host_silent() const {
-  return host_known_ && setup_.host_timeout > 0 &&
-         player_.time() - host_heard_ > setup_.host_timeout;
+  if (!host_known_) return false;
+  return host_heard_ == kHostGone ||
+         (setup_.host_timeout > 0 && player_.time() - host_heard_ > setup_.host_timeout);
 }
 
 // A segment that waits for the spindle does so at a standstill, and is planned slice by slice, so
