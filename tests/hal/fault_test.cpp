@@ -238,7 +238,7 @@ TEST_CASE("A silent host: the board brakes along the path, then the link counts 
   rig.core.host_alive();
   rig.push_run();
   for (std::uint32_t i = 3; i < 12; ++i) {
-    REQUIRE(rig.core.push(x_segment(i, 0.010, 100.0 * i - 150.0, 10'000)));
+    REQUIRE(rig.core.push(x_segment(i, 0.010, 100.0 * i - 50.0, 10'000)));
   }
   for (int i = 0; i < 3; ++i) {
     rig.core.advance(ticks(0.004));
