@@ -6,6 +6,42 @@
 #include "hal/sim/scenario_sections.h"
 
 namespace cnc::hal::sim {
+namespace {
+
+constexpr bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
+
+// Debian 12's toml++ (3.3.0) has undefined behaviour for letters like the a-umlaut outside of texts
+// and comments (is_non_ascii_horizontal_whitespace), so the parser is given ASCII only: in comments
+// other letters are replaced, byte by byte to keep the columns, and elsewhere nothing needs them.
+Result<std::string> ascii_text(std::string_view text, std::string_view name) {
+  std::string result(text);
+  TextPlace place{std::string(name), 1, 0};
+  char quote = 0;  // that is open
+  bool in_comment = false;
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    char& c = result[i];
+    ++place.column;
+    if (c == '\n') {
+      ++place.line;
+      place.column = 0;
+      quote = 0;
+      in_comment = false;
+    } else if (in_comment) {
+      if (!is_ascii(c)) c = '?';
+    } else if (!is_ascii(c)) {
+      return fail(ErrorCode::scenario_not_toml,
+                  "A letter that is not ASCII; it can stand in a comment only.", place);
+    } else if (quote == 0) {
+      if (c == '"' || c == '\'') quote = c;
+      in_comment = c == '#';
+    } else if (c == quote && (quote == '\'' || result[i - 1] != '\\')) {
+      quote = 0;
+    }
+  }
+  return result;
+}
+
+}  // namespace
 
 Result<Scenario> load_scenario(const std::filesystem::path& path) {
   const Result<std::string> text = config::read_text_file(path);
@@ -14,7 +50,9 @@ Result<Scenario> load_scenario(const std::filesystem::path& path) {
 }
 
 Result<Scenario> parse_scenario(std::string_view text, std::string_view name) {
-  const toml::parse_result parsed = toml::parse(text);
+  const Result<std::string> ascii = ascii_text(text, name);
+  if (!ascii) return std::unexpected(ascii.error());
+  const toml::parse_result parsed = toml::parse(std::string_view(*ascii));
   if (!parsed) {
     const toml::source_position place = parsed.error().source().begin;
     return fail(ErrorCode::scenario_not_toml,

@@ -160,6 +160,14 @@ TEST_CASE("A level stock has one height everywhere", "[hal][scenario]") {
   CHECK(level.machine.touch.stock(-1000, 1000) == 12.5);
 }
 
+TEST_CASE("Comments may be in any language, behind texts too", "[hal][scenario]") {
+  const Scenario read = scenario(
+      "# f\u00fcr \u0353 die Pr\u00fcfung\r\n[[event]]\r\nat = 1\r\n"
+      "action = \"estop_press\" # Not-Aus gedr\u00fcckt, \"ganz\"\r\nchannel = '2' # \u00e4\r\n");
+  REQUIRE(read.events.size() == 1);
+  CHECK_FALSE(std::get<EstopButton>(read.events[0].action).channel1);
+}
+
 TEST_CASE("Events have a time or a place", "[hal][scenario]") {
   const Scenario read = scenario(R"(
 [[event]]
@@ -195,6 +203,8 @@ TEST_CASE("What is wrong in a scenario is told with its line and what would be r
   const Row row = GENERATE(values<Row>({
       {"[machine\n", scenario_not_toml, 1, "TOML"},
       {"a = 1\na = 2\n", scenario_not_toml, 2, "TOML"},
+      {"[machine]\nseed = 1 \u00e4\n", scenario_not_toml, 2, "not ASCII"},
+      {"[machine] # \u00e4\n\u00e4 = 1\n", scenario_not_toml, 2, "not ASCII"},
       {"[machin]\nseed = 1\n", scenario_unknown_key, 1, "is machine meant?"},
       {"[machine]\n\nstop_margn = 1\n", scenario_unknown_key, 3, "is stop_margin meant?"},
       {"[axis.X]\ntop_speed = 1\n", scenario_unknown_key, 2,
