@@ -14,6 +14,8 @@ constexpr bool is_ascii(char c) { return static_cast<unsigned char>(c) < 0x80; }
 // and comments (is_non_ascii_horizontal_whitespace), so the parser is given ASCII only: in comments
 // other letters are replaced, byte by byte to keep the columns, and elsewhere nothing needs them.
 Result<std::string> ascii_text(std::string_view text, std::string_view name) {
+  constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
+  if (text.starts_with(kByteOrderMark)) text.remove_prefix(kByteOrderMark.size());
   std::string result(text);
   TextPlace place{std::string(name), 1, 0};
   char quote = 0;  // that is open

@@ -160,9 +160,9 @@ TEST_CASE("A level stock has one height everywhere", "[hal][scenario]") {
   CHECK(level.machine.touch.stock(-1000, 1000) == 12.5);
 }
 
-TEST_CASE("Comments may be in any language, behind texts too", "[hal][scenario]") {
+TEST_CASE("Comments may be in any language, from any editor, behind texts too", "[hal][scenario]") {
   const Scenario read = scenario(
-      "# f\u00fcr \u0353 die Pr\u00fcfung\r\n[[event]]\r\nat = 1\r\n"
+      "\xEF\xBB\xBF# f\u00fcr \u0353 die Pr\u00fcfung\r\n[[event]]\r\nat = 1\r\n"
       "action = \"estop_press\" # Not-Aus gedr\u00fcckt, \"ganz\"\r\nchannel = '2' # \u00e4\r\n");
   REQUIRE(read.events.size() == 1);
   CHECK_FALSE(std::get<EstopButton>(read.events[0].action).channel1);
