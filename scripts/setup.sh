@@ -9,7 +9,10 @@ packages_build=(
   libtomlplusplus-dev
 )
 packages_gui=(qt6-base-dev)
-packages_test=(catch2 xvfb xauth xdotool x11-apps)
+packages_test=(
+  catch2 xvfb xauth xdotool x11-apps
+  gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
+)
 packages_lint=(clang-16 libclang-rt-16-dev clang-tidy-16 clang-format)
 
 # ensure_packages NAME...: one apt call for those that are missing, none if all are there.

@@ -71,10 +71,10 @@ TEST_CASE("The probe latch catches every axis at the touching step, at any speed
   CHECK(status.path_stop == PathStop::stopped);
   CHECK(status.faults == 0);
   CHECK(status.fifo_count == 0);
-  // v^2 / 2a of overshoot, the rest of the slice (100 us) in which it touched, the slice that was
-  // planned already, and what the last slice makes more than it should.
+  // v^2 / 2a of overshoot, the rest of the slice (100 us) in which it touched, the two slices
+  // that were planned already, and what the last slice makes more than it should.
   const auto overshoot = static_cast<double>(kTouchStep - status.counts[2]);
-  CHECK(overshoot <= frequency * frequency / (2 * 2e6) + 3 * frequency * 1e-4 + 1);
+  CHECK(overshoot <= frequency * frequency / (2 * 2e6) + 4 * frequency * 1e-4 + 1);
 }
 
 TEST_CASE("A probe that nobody armed, or that was disarmed, stops nothing", "[hal][LNK-6]") {

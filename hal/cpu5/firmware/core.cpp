@@ -11,10 +11,15 @@ constexpr bool within(std::int64_t value, std::int64_t limit) {
 
 constexpr std::uint32_t id_after(std::uint32_t id) { return id + 1 == 0 ? 1 : id + 1; }
 
-// The tests come in this order because each makes the arithmetic of the next one safe.
+// The tests come in this order because each makes the arithmetic of the next one safe. Velocity is
+// a parabola between its ends and a third value, m (hermite.cpp): where that is no higher than the
+// limit either, as in most segments, nothing has to be divided.
 bool slow_enough(const AxisMotion& motion, StepVelocity max_velocity) {
-  return within(motion.distance, max_velocity * motion.duration) &&
-         within(motion.end_velocity, max_velocity) && peak_speed(motion) <= max_velocity;
+  const StepPosition limit = max_velocity * motion.duration;
+  if (!within(motion.distance, limit) || !within(motion.end_velocity, max_velocity)) return false;
+  const StepVelocity ends = motion.start_velocity + motion.end_velocity;
+  return within(3 * motion.distance - ends * motion.duration, limit) ||
+         peak_speed(motion) <= max_velocity;
 }
 
 bool in_range(const Setup& setup) {

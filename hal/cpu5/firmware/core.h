@@ -5,15 +5,14 @@
 // Its two halves share the work. Planning (plan(), this class) turns segments into slices of at
 // most 100 us: the steps in them, each with its tick. Playing (run_until(), slice_player.h) lets
 // them out when their time comes. Planning is ahead by the slice that is being played and the next
-// one, so what the host asks for, a probe that touches or a spindle that slows down shows in the
-// motion after two slices (0.2 ms), or three where a segment's end makes one short: 0.3 ms. An
-// estop does not wait: the slice in which it is seen makes no further step.
+// two, so what the host asks for, a probe that touches or a spindle that slows down shows in the
+// motion within 0.3 ms. An estop does not wait: the slice in which it is seen makes no further step.
 //
-// On a board the step timer's interrupt calls run_until(now) at the moment that next_due() told,
-// and has plan() called at a lower priority; there the host's calls and plan() must not interrupt
-// one another. A board whose planning comes too late has the same fault as one whose host does:
-// kFifoUnderrun. Elsewhere advance() does both in turn. The steps and their ticks do not depend on
-// how time is cut into calls.
+// On a board the step timer's interrupt calls run_until(now) at the moment that next_due() told, and
+// an interrupt of lower priority calls plan() when run_until() said so. The host's calls belong to
+// the main program: a plan() that comes into the middle of one is put off to its end. Planning that
+// comes too late is the same fault as a host that does: kFifoUnderrun. Elsewhere advance() plays and
+// plans in turn. The steps and their ticks do not depend on how time is cut into calls.
 //
 // Rules for segments: id one above the last accepted (any but 0 after start, any stop, a cut or
 // cleared faults; 0 is skipped when the number wraps), duration 1 … kMaxSegmentTicks, position
@@ -101,10 +100,9 @@ class Core {
 
   /// Plans ahead and carries out what playing found: faults, a probe that touched.
   void plan();
-  void run_until(Ticks now) { player_.run_until(now); }
+  /// True: plan() has something to do.
+  bool run_until(Ticks now) { return player_.run_until(now); }
   [[nodiscard]] Ticks next_due() const { return player_.next_due(); }
-  /// Whether plan() has something to do that cannot wait; for the step interrupt.
-  [[nodiscard]] bool wants_plan() const { return player_.alarmed() || !player_.full(); }
   /// From the step interrupt: the board itself cannot go on. Stops the pulses at once.
   void report(FaultBits fault) { player_.raise(fault); }
 

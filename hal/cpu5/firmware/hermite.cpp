@@ -24,8 +24,39 @@ constexpr std::int64_t times_part(std::int64_t value, std::uint32_t part) {
          static_cast<std::int64_t>(std::uint64_t{low} * part >> kPartBits);
 }
 
+// Multiplies by 2^k / T, which is more than 1 and at most 2: the part above 1 as a fraction of 64
+// bits, found by a long division in two digits.
+class Stretch {
+ public:
+  Stretch(int power, Ticks duration) {
+    const auto divisor = static_cast<std::uint64_t>(duration);
+    const std::uint64_t above = ((std::uint64_t{1} << power) - divisor) << kPartBits;
+    whole_ = above >= divisor << kPartBits;  // T is a power of two itself
+    high_ = static_cast<std::uint32_t>(above / divisor);
+    low_ = static_cast<std::uint32_t>((above % divisor << kPartBits) / divisor);
+  }
+  std::int64_t operator()(std::int64_t value) const {
+    const std::int64_t part = times_part(value, high_) + (times_part(value, low_) >> kPartBits);
+    return value + (whole_ ? value : part);
+  }
+
+ private:
+  bool whole_;
+  std::uint32_t high_;
+  std::uint32_t low_;
+};
+
 constexpr std::int64_t shifted(std::int64_t value, int bits) {
   return bits < 0 ? value >> -bits : value << bits;
+}
+
+// distance / speed, within 2^-15 of it. Of a speed below 2^32 the highest 16 bits count, so that
+// one division of 32 bits does: it is made for every step.
+constexpr PathTime time_for(StepPosition distance, StepVelocity speed) {
+  const auto bits = static_cast<std::uint32_t>(speed);
+  const int zeros = std::countl_zero(bits);
+  const std::uint32_t inverse = 0xFFFF'FFFFU / (bits << zeros >> 16);  // 2^48 / (speed 2^zeros)
+  return shifted(distance * std::int64_t{inverse}, zeros - (48 - kPathFractionBits));
 }
 
 constexpr std::int64_t magnitude(std::int64_t value) { return value < 0 ? -value : value; }
@@ -35,18 +66,14 @@ constexpr std::int64_t larger(std::int64_t a, std::int64_t b) { return a > b ? a
 
 Cubic::Cubic(const AxisMotion& motion)
     : power_(static_cast<int>(std::bit_width(static_cast<std::uint32_t>(motion.duration)))) {
-  const auto stretched = [&](std::int64_t value) {  // by 2^k / T
-    const std::int64_t whole = value / motion.duration;
-    const std::int64_t rest = value % motion.duration;
-    return (whole << power_) + (rest << power_) / motion.duration;
-  };
+  const Stretch stretch(power_, motion.duration);
   const StepPosition start_way = motion.start_velocity * motion.duration;
   const StepPosition end_way = motion.end_velocity * motion.duration;
   const StepPosition quadratic = 3 * motion.distance - 2 * start_way - end_way;
   const StepPosition cubic = start_way + end_way - 2 * motion.distance;
   linear_ = motion.start_velocity << (power_ + kFinerBits);
-  quadratic_ = stretched(stretched(quadratic << kFinerBits));
-  cubic_ = stretched(stretched(stretched(cubic << kFinerBits)));
+  quadratic_ = stretch(stretch(quadratic << kFinerBits));
+  cubic_ = stretch(stretch(stretch(cubic << kFinerBits)));
 }
 
 std::uint32_t Cubic::part_of_power(Ticks elapsed) const {
@@ -90,13 +117,13 @@ PathTime Cubic::moment_of(const Passage& passage) const {
   while (true) {
     const StepPosition missing = forwards(passage.distance - distance_after(tick));
     const StepVelocity speed = forwards(velocity_after(tick));
+    const PathTime way = speed > 0 ? time_for(missing, speed) : 0;
     if (magnitude(missing) <= speed && speed > 0) {
-      const PathTime moment = path_time(tick) + path_time(missing) / speed;
-      return std::clamp(moment, passage.after, passage.before);
+      return std::clamp(path_time(tick) + way, passage.after, passage.before);
     }
     (missing > 0 ? early : late) = tick;
     if (late - early <= 1) return std::clamp(path_time(late), passage.after, passage.before);
-    const Ticks next = speed > 0 ? tick + missing / speed : early;
+    const Ticks next = tick + (way >> kPathFractionBits);
     tick = early < next && next < late ? next : early + (late - early) / 2;
   }
 }

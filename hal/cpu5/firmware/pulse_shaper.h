@@ -37,7 +37,7 @@ class PulseShaper {
   /// Makes the edges that are due; at most one edge of each pin.
   Pins make_edges(Ticks now);
   /// When the next one will be; kNever without steps.
-  [[nodiscard]] Ticks next_edge() const;
+  [[nodiscard]] Ticks next_edge() const { return next_edge_; }
   static constexpr Ticks kNever = Ticks{1} << 62;
 
  private:
@@ -47,16 +47,18 @@ class PulseShaper {
   };
   class Axis {
    public:
-    [[nodiscard]] bool add(const Step& step);
-    [[nodiscard]] Ticks next_edge(const Setup& setup) const;
-    void make_edge(Ticks now);
+    [[nodiscard]] bool add(const Step& step, const Setup& setup);
+    /// The one that is due at `edge`. True for one of the direction.
+    bool make_edge(Ticks now, const Setup& setup);
 
+    Ticks edge = kNever;
     bool high = false;
     bool upwards = false;
 
    private:
     static constexpr std::uint32_t kWaiting = 64;
 
+    void find_edge(const Setup& setup);
     [[nodiscard]] const Step& next() const { return steps_[taken_ % kWaiting]; }
     [[nodiscard]] bool has_to_turn() const { return next().upwards != upwards; }
 
@@ -68,6 +70,8 @@ class PulseShaper {
     Ticks turn_ = -kTicksPerSecond;  // of the direction
   };
 
+  Ticks next_edge_ = kNever;
+  Pins pins_;
   Setup setup_;
   PerAxis<Axis> axes_;
 };

@@ -8,8 +8,9 @@ SlicePlayer::SlicePlayer(BoardIo& io) : io_(io), played_{.inputs = io.inputs(0)}
 
 // --- the step interrupt --------------------------------------------------------------------------
 
-void SlicePlayer::run_until(Ticks now) {
+bool SlicePlayer::run_until(Ticks now) {
   ++runs_;
+  const std::uint32_t first = read_;
   while (may_play()) {
     if (!entered_) enter_slice();
     make_steps(now);
@@ -18,6 +19,7 @@ void SlicePlayer::run_until(Ticks now) {
   }
   played_.time = now;
   if (!entered_) sample_inputs(now);
+  return !entered_ || halted_ || read_ != first;
 }
 
 Ticks SlicePlayer::next_due() const {
@@ -40,8 +42,10 @@ void SlicePlayer::enter_slice() {
   sample_inputs(slice.begin);
 }
 
+// The inputs are looked at behind the last step of a tick: nothing moves between the others.
 void SlicePlayer::make_steps(Ticks now) {
   const Slice& slice = front();
+  bool look = false;
   while (!halted_ && next_step_ < slice.step_count) {
     const TimedStep& step = slice.steps[next_step_];
     const Ticks due = slice.begin + step.offset;
@@ -49,7 +53,12 @@ void SlicePlayer::make_steps(Ticks now) {
     ++next_step_;
     played_.counts[step.axis] += step.direction;
     io_.step(step.axis, step.direction, due);
-    if (played_.probe_latch.armed || played_.home_latch[step.axis].armed) sample_inputs(due);
+    look = look || played_.probe_latch.armed || played_.home_latch[step.axis].armed;
+    const bool more_at_once =
+        next_step_ < slice.step_count && slice.steps[next_step_].offset == step.offset;
+    if (!look || more_at_once) continue;
+    sample_inputs(due);
+    look = false;
   }
 }
 
@@ -120,7 +129,7 @@ bool SlicePlayer::full() const {
   return undisturbed([this] {
     if (idle()) return false;
     const Ticks ahead = ring_[(written_ - 1) % kSlices].end() - front().begin;
-    return ahead >= 2 * kSliceTicks || written_ - read_ == kSlices;
+    return ahead > 2 * kSliceTicks || written_ - read_ == kSlices;
   });
 }
 

@@ -30,8 +30,8 @@ class SlicePlayer {
 
   // --- the step interrupt ---
 
-  /// Plays all that is due up to `now`, which never goes back.
-  void run_until(Ticks now);
+  /// Plays all that is due up to `now`, which never goes back. True: there is something to plan.
+  bool run_until(Ticks now);
   /// When run_until() has something to do next.
   [[nodiscard]] Ticks next_due() const;
 
@@ -45,7 +45,8 @@ class SlicePlayer {
 
   /// Slices are there until that moment; without one, the present.
   [[nodiscard]] Ticks planned_until() const;
-  /// One slice is being played and the next is there, or no slice is free.
+  /// More than two slices' time is planned from the beginning of the present one on, or no slice is
+  /// free. A slice more makes three at most.
   [[nodiscard]] bool full() const;
   /// Nothing left to be played.
   [[nodiscard]] bool idle() const { return read_ == written_; }
@@ -57,7 +58,6 @@ class SlicePlayer {
 
   /// Faults seen since the last call. They have stopped the pulses already.
   FaultBits take_alarms() { return alarms_.exchange(0); }
-  [[nodiscard]] bool alarmed() const { return alarms_ != 0; }
   void arm_latch(std::size_t axis, Edge edge);
   void disarm_latch(std::size_t axis) { played_.home_latch[axis].armed = false; }
   /// Not, if the probe is active already.
