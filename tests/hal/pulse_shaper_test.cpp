@@ -157,6 +157,8 @@ TEST_CASE("Polarity is the pin's own: inverted axes rest high and pulse low", "[
   CHECK(shaper.next_edge() == 100);
   CHECK(shaper.make_edges(100).direction == 0b111011);
   CHECK(shaper.make_edges(100).step == 0b111101);
+  shaper.set_up(setup);  // in the middle of a pulse
+  CHECK(shaper.make_edges(109) == PulseShaper::Pins{.step = 0b111101, .direction = 0b111011});
   CHECK(shaper.next_edge() == 110);
   CHECK(shaper.make_edges(110).step == 0b000010);
   CHECK(shaper.next_edge() == PulseShaper::kNever);

@@ -18,6 +18,7 @@ void PulseShaper::set_up(const Setup& setup) {
   setup_ = setup;
   pins_ = {.step = setup.step_inverted, .direction = setup.direction_inverted};
   for (std::size_t i = 0; i < kAxisCount; ++i) {
+    if (axes_[i].high) pins_.step ^= axis_bit(i);
     if (axes_[i].upwards) pins_.direction ^= axis_bit(i);
   }
 }

@@ -27,7 +27,8 @@ class PulseShaper {
     friend bool operator==(const Pins&, const Pins&) = default;
   };
 
-  /// With pulses_possible(), and while nothing moves.
+  /// With pulses_possible(), and while nothing moves; the last pulse may still be high. Not from
+  /// the step interrupt, which must not come in between.
   void set_up(const Setup& setup);
 
   /// False when more steps of the axis are waiting than the drives' times allow: that one is lost.

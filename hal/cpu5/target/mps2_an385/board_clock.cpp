@@ -37,7 +37,9 @@ BoardClock::Ticks BoardClock::now() {
 void BoardClock::set_alarm(Ticks when, Ticks now) {
   const Ticks wanted = when - now;
   const Ticks wait = wanted < 1 ? 1 : wanted < kLongestAlarm ? wanted : kLongestAlarm;
-  const auto counts = static_cast<std::uint32_t>(wait) * kFifthsPerTick / kFifthsPerCount;
+  const auto from_now = static_cast<std::uint32_t>(wait) * kFifthsPerTick / kFifthsPerCount;
+  const std::uint32_t passed = count() - last_count_;
+  const std::uint32_t counts = from_now > passed ? from_now - passed : 1;
   kTimer1.write(kTimerReload, counts);
   kTimer1.write(kTimerValue, counts);
   kTimer1.write(kTimerControl, kTimerEnable | kTimerInterrupt);

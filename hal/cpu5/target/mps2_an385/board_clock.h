@@ -12,7 +12,8 @@ class BoardClock {
   void start();
   /// Ticks since start(). From the step interrupt only, at least every 85 s: the counter wraps.
   Ticks now();
-  /// The step interrupt at `when`, or as soon as possible. Not while another alarm is set.
+  /// The step interrupt at `when`, or as soon as possible; `now` is what now() said last. Not while
+  /// another alarm is set.
   void set_alarm(Ticks when, Ticks now);
   void take_alarm();
 

@@ -46,7 +46,11 @@ void Pins::start() {
   kOutputPins.write(kPinsDrive, kAllOutputPins);
 }
 
-void Pins::set_up(const firmware::Setup& setup) { shaper_.set_up(setup); }
+void Pins::set_up(const firmware::Setup& setup) {
+  asm volatile("cpsid i" ::: "memory");
+  shaper_.set_up(setup);
+  asm volatile("cpsie i" ::: "memory");
+}
 
 void Pins::step(std::size_t axis, int direction, Ticks when) {
   lost_ = !shaper_.add_step(axis, direction, when) || lost_;
