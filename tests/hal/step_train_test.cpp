@@ -193,3 +193,48 @@ TEST_CASE("Status tells where in which segment the board is and how much motion 
   CHECK(status.queued_time == ticks(0.025));
   CHECK(status.counts[0] == 100);
 }
+
+TEST_CASE("Played by an interrupt and planned by another, a train makes the same steps",
+          "[hal][LNK-2]") {
+  // As a board does it: run_until() at each moment that next_due() tells, plan() when it says so.
+  const std::vector<Segment> train = random_train(13, 100);
+  const auto pulses_with = [&](const auto& play) {
+    WatchedBoard board;
+    board.keep_pulses = true;
+    Core core(board);
+    REQUIRE(core.set_up(kFastBoard));
+    for (const Segment& segment : train) REQUIRE(core.push(segment));
+    play(core);
+    CHECK(core.status().faults == 0);
+    CHECK(core.status().time == duration_of(train));
+    CHECK_FALSE(core.status().moving);
+    return board.pulses;
+  };
+  const auto advanced = pulses_with([&](Core& core) { core.advance(duration_of(train)); });
+  const auto interrupted = pulses_with([&](Core& core) {
+    core.plan();
+    for (Ticks now = 0; now < duration_of(train);) {
+      now = std::min(std::max(now, core.next_due()), duration_of(train));
+      if (core.run_until(now)) core.plan();
+    }
+  });
+  CHECK(advanced == interrupted);
+}
+
+TEST_CASE("Planning that comes into the middle of a host's call is put off to its end", "[hal]") {
+  WatchedBoard board;
+  Core core(board);
+  REQUIRE(core.set_up(kFastBoard));
+  REQUIRE(core.push(x_segment(1, 0.010, 50)));
+  const auto slice_is_there = [&] { return core.next_due() == core.time(); };
+  bool there_inside = true;
+  board.read_inputs = [&] {  // as if the interrupt came while the probe is being armed
+    core.plan();
+    there_inside = slice_is_there();
+    return Inputs{};
+  };
+  CHECK_FALSE(slice_is_there());
+  core.arm_probe();
+  CHECK_FALSE(there_inside);
+  CHECK(slice_is_there());
+}

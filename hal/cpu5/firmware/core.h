@@ -6,13 +6,14 @@
 // most 100 us: the steps in them, each with its tick. Playing (run_until(), slice_player.h) lets
 // them out when their time comes. Planning is ahead by the slice that is being played and the next
 // two, so what the host asks for, a probe that touches or a spindle that slows down shows in the
-// motion within 0.3 ms. An estop does not wait: the slice in which it is seen makes no further step.
+// motion within 0.3 ms. An estop does not wait: the slice in which it is seen makes no further
+// step.
 //
-// On a board the step timer's interrupt calls run_until(now) at the moment that next_due() told, and
-// an interrupt of lower priority calls plan() when run_until() said so. The host's calls belong to
-// the main program: a plan() that comes into the middle of one is put off to its end. Planning that
-// comes too late is the same fault as a host that does: kFifoUnderrun. Elsewhere advance() plays and
-// plans in turn. The steps and their ticks do not depend on how time is cut into calls.
+// On a board the step timer's interrupt calls run_until(now) at the moment that next_due() told,
+// and an interrupt of lower priority calls plan() when run_until() said so. The host's calls belong
+// to the main program: a plan() that comes into the middle of one is put off to its end. Planning
+// that comes too late is the same fault as a host that does: kFifoUnderrun. Elsewhere advance()
+// plays and plans in turn. The steps and their ticks do not depend on how time is cut into calls.
 //
 // Rules for segments: id one above the last accepted (any but 0 after start, any stop, a cut or
 // cleared faults; 0 is skipped when the number wraps), duration 1 … kMaxSegmentTicks, position
@@ -149,26 +150,27 @@ class Core {
 
   BoardIo& io_;
   SlicePlayer player_;
-  std::atomic<bool> host_inside_ = false;
-  std::atomic<bool> plan_put_off_ = false;
   Setup setup_;
   Outputs outputs_;
   FaultBits faults_ = 0;
-  Ticks host_heard_ = 0;
+  std::atomic<bool> host_inside_ = false;  // one of its calls is under way
+  std::atomic<bool> plan_put_off_ = false;
   bool host_known_ = false;
+  Ticks host_heard_ = 0;
   static constexpr Ticks kHostGone = -1;  // of host_heard_: it has said so
 
   SegmentFifo<kFifoCapacity> fifo_;
   Ticks fifo_ticks_ = 0;
   PerAxis<StepPosition> tail_position_{};  // where the last accepted segment ends
   PerAxis<StepVelocity> tail_velocity_{};
-  bool tail_scaled_ = false;
   std::uint32_t tail_id_ = 0;
+  bool tail_scaled_ = false;
   bool any_id_ = true;
   bool cut_late_ = false;
 
   // What is planned, up to player_.planned_until().
   bool executing_ = false;
+  std::uint8_t moving_axes_ = 0;
   Segment segment_;  // in execution, or the last executed
   PathTime elapsed_ = 0;
   TimeScale time_scale_ = kFullScale;
@@ -178,9 +180,8 @@ class Core {
   bool waiting_for_index_ = false;
   std::uint32_t index_count_before_ = 0;  // the wait
   Ticks wait_begin_ = 0;
-  PathTime owed_ = 0;  // path time that passed between the index pulse and the first slice
-  PerAxis<Cubic> cubics_;
-  std::uint8_t moving_axes_ = 0;
+  PathTime owed_ = 0;      // path time that passed between the index pulse and the first slice
+  PerAxis<Cubic> cubics_;  // of moving_axes_
   PerAxis<StepPosition> start_position_{};  // of the segment in execution
   PerAxis<StepVelocity> start_velocity_{};
   PerAxis<StepPosition> position_{};
