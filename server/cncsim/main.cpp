@@ -46,6 +46,8 @@ int main(int argc, char** argv) {
                   "CSV of the commanded trajectory, one row per millisecond: t,x,y,z,a,b,c,f,line "
                   "(s, mm or deg in machine coordinates, feed limit in mm/s with 0 for a rapid, "
                   "source line)");
+  run->add_option("--scenario", run_options.scenario,
+                  "How the virtual machine is built and what happens to it, docs/scenarios.md");
 
   CheckOptions check_options;
   CLI::App* check = app.add_subcommand("check", "Interprets a program and lists every error");

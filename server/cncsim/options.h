@@ -26,7 +26,8 @@ struct SimInput {
 [[nodiscard]] std::expected<MachineData, config::Errors> load_machine(const SimInput& input);
 
 struct RunOptions : SimInput {
-  std::filesystem::path record;  ///< CSV file, one row per millisecond
+  std::filesystem::path record;    ///< CSV file, one row per millisecond
+  std::filesystem::path scenario;  ///< how the machine is built and what happens to it
 };
 struct CheckOptions : SimInput {
   std::filesystem::path canon;  ///< text file of canonical commands

@@ -33,6 +33,7 @@ struct Options {
   std::filesystem::path jobs = std::filesystem::current_path();
   std::vector<std::string> settings;
   std::string board = "virtual";
+  std::filesystem::path scenario;
   std::string socket;
   std::vector<std::string> listen{"127.0.0.1:50871"};
   std::string log_level = "info";
@@ -92,24 +93,34 @@ struct Board {
   std::function<void(bool)> press_estop{};
 };
 
-Board make_virtual_board(const config::MachineConfig& config,
-                         const hal::cpu5::DriverSettings& driver) {
-  auto controller = hal::sim::make_virtual_controller(
-      config, {.machine = {.touch = virtual_bench(config)}, .driver = driver});
+Result<Board> make_virtual_board(const std::filesystem::path& scenario_file,
+                                 const config::MachineConfig& config,
+                                 const hal::cpu5::DriverSettings& driver) {
+  hal::sim::Scenario scenario{.machine = {.touch = virtual_bench(config)}};
+  if (!scenario_file.empty()) {
+    auto loaded = hal::sim::load_scenario(scenario_file);
+    if (!loaded) return std::unexpected(loaded.error());
+    scenario = std::move(*loaded);
+  }
+  auto controller =
+      hal::sim::make_virtual_controller(config, {.machine = std::move(scenario.machine),
+                                                 .driver = driver,
+                                                 .link = scenario.link,
+                                                 .events = std::move(scenario.events)});
   auto& machine = controller->machine();
-  return {std::move(controller), "virtual CPU5 board",
-          [&machine](bool pressed) { machine.press_estop(pressed); }};
+  return Board{std::move(controller), "virtual CPU5 board",
+               [&machine](bool pressed) { machine.press_estop(pressed); }};
 }
 
 /// A silent host is lost so soon that the rest of the FIFO suffices to brake along the path, s.
 constexpr double kHostTimeout = 0.1;
 
-Result<Board> make_board(const std::string& address, const config::MachineConfig& config) {
+Result<Board> make_board(const Options& options, const config::MachineConfig& config) {
   hal::cpu5::DriverSettings driver{.max_step_frequency =
                                        static_cast<double>(config.connection.max_step_frequency)};
-  if (address == "virtual") return make_virtual_board(config, driver);
+  if (options.board == "virtual") return make_virtual_board(options.scenario, config, driver);
   driver.host_timeout = kHostTimeout;
-  auto channel = hal::cpu5::make_channel(address);
+  auto channel = hal::cpu5::make_channel(options.board);
   if (!channel) return std::unexpected(channel.error());
   const std::string name = "CPU5 board at " + (*channel)->name();
   auto port = std::make_unique<hal::cpu5::WirePort>(std::move(*channel), hal::cpu5::WireSettings{});
@@ -130,7 +141,7 @@ int serve(const Options& options) {
     return EXIT_FAILURE;
   }
 
-  auto board = make_board(options.board, data->config);
+  auto board = make_board(options, data->config);
   if (!board) return report(board.error());
   if (auto connected = board->controller->connect(); !connected) {
     if (!may_come_later(connected.error())) return report(connected.error());
@@ -212,6 +223,9 @@ int main(int argc, char** argv) {
   app.add_option("--board", options.board,
                  "Controller board: virtual (built in), auto, udp:HOST[:PORT] or serial:DEVICE")
       ->capture_default_str();
+  app.add_option("--scenario", options.scenario,
+                 "How the virtual machine is built and what happens to it, docs/scenarios.md")
+      ->check(CLI::ExistingFile);
   app.add_option("--socket", options.socket, "Unix socket for clients on this computer")
       ->capture_default_str();
   app.add_option("--listen", options.listen,

@@ -5,10 +5,14 @@
 namespace cnc::server {
 namespace {
 
+/// For a scenario whose cable is out, s.
+constexpr double kLinkPatience = 10.0;
+
 std::unique_ptr<hal::sim::VirtualController> connected_controller(
-    const config::MachineConfig& config, const hal::sim::MachineOptions& options) {
-  auto controller = hal::sim::make_virtual_controller(config, {.machine = options});
-  // In-process: connecting cannot fail.
+    const config::MachineConfig& config, const SimulationOptions& options) {
+  auto controller = hal::sim::make_virtual_controller(
+      config, {.machine = options.machine, .link = options.link, .events = options.events});
+  // In-process it fails with the cable out only, and then the link goes on trying.
   static_cast<void>(controller->connect());
   return controller;
 }
@@ -17,7 +21,7 @@ std::unique_ptr<hal::sim::VirtualController> connected_controller(
 
 Simulation::Simulation(MachineData data, const SimulationOptions& options)
     : period_(options.period),
-      controller_(connected_controller(data.config, options.machine)),
+      controller_(connected_controller(data.config, options)),
       virtual_machine_(controller_->machine()),
       link_(std::move(controller_)),
       machine_(std::move(data), link_, log_) {}
@@ -29,8 +33,10 @@ void Simulation::cycle() {
 }
 
 bool Simulation::cycle_until(State state) {
+  const double give_up = now_ + kLinkPatience;
   while (machine_.state() != state) {
     if (machine_.state() == State::error || machine_.state() == State::estop) return false;
+    if (machine_.state() == State::off && now_ > give_up) return false;
     cycle();
   }
   return true;

@@ -11,6 +11,8 @@ namespace cnc::server {
 
 struct SimulationOptions {
   hal::sim::MachineOptions machine{};
+  hal::sim::LinkTrouble link{};  ///< from power-up on
+  std::vector<hal::sim::ScenarioEvent> events{};
   /// Virtual time between two cycles, s. Everything that has to be exact happens on the board's
   /// clock; this only has to be well below FifoTime.
   double period = 0.005;
@@ -29,7 +31,8 @@ class Simulation {
 
   /// The link's cycle, then the machine's.
   void cycle();
-  /// Cycles until `state` is reached; false when the machine stops in a fault before.
+  /// Cycles until `state` is reached; false when the machine stops in a fault before, or the board
+  /// stays silent.
   bool cycle_until(State state);
 
  private:

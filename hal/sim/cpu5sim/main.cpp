@@ -39,7 +39,8 @@ struct Options {
   std::string address = "127.0.0.1";
   std::uint16_t port = cpu5::kBoardPort;
   std::filesystem::path pty;
-  LinkTrouble trouble;
+  std::filesystem::path scenario;
+  LinkTrouble trouble;  ///< where there is no scenario
 };
 
 int report(const std::string& message) {
@@ -107,8 +108,8 @@ class Pty {
 /// The board, its clock, and the cables with what happens to them.
 class Simulator {
  public:
-  Simulator(const config::MachineConfig& config, const LinkTrouble& trouble)
-      : board_(config, {}), trouble_(trouble) {}
+  Simulator(const config::MachineConfig& config, const Scenario& scenario)
+      : board_(config, scenario) {}
 
   Result<void> listen(const std::string& address, std::uint16_t port) {
     error_code wrong;
@@ -149,13 +150,13 @@ class Simulator {
       if (nothing) break;
       peer_ = from;
       way_ = Way::udp;
-      to_board_.put(std::span(memory).first(size), now(), trouble_);
+      to_board_.put(std::span(memory).first(size), now(), board_.trouble());
       work();
     }
     if (pty_.handle() < 0) return;
     pty_.receive([&](std::span<const std::uint8_t> packet) {
       way_ = Way::pty;
-      to_board_.put(packet, now(), trouble_);
+      to_board_.put(packet, now(), board_.trouble());
       work();
     });
   }
@@ -164,7 +165,7 @@ class Simulator {
     const double present = now();
     board_.advance_to(present);
     for (auto packet = to_board_.take(present); !packet.empty(); packet = to_board_.take(present)) {
-      to_host_.put(board_.answer(packet), present, trouble_);
+      to_host_.put(board_.answer(packet), present, board_.trouble());
     }
     for (auto packet = to_host_.take(present); !packet.empty(); packet = to_host_.take(present)) {
       send(packet);
@@ -178,7 +179,6 @@ class Simulator {
   }
 
   VirtualBoard board_;
-  LinkTrouble trouble_;
   TroubledLine to_board_{1};
   TroubledLine to_host_{2};
   boost::asio::io_context context_;
@@ -197,7 +197,13 @@ int simulate(const Options& options) {
     for (const Error& error : config.error()) report(error.to_string());
     return EXIT_FAILURE;
   }
-  Simulator simulator(*config, options.trouble);
+  Scenario scenario{.link = options.trouble};
+  if (!options.scenario.empty()) {
+    auto loaded = load_scenario(options.scenario);
+    if (!loaded) return report(loaded.error().to_string());
+    scenario = std::move(*loaded);
+  }
+  Simulator simulator(*config, scenario);
   if (auto listening = simulator.listen(options.address, options.port); !listening) {
     return report(listening.error().to_string());
   }
@@ -228,17 +234,26 @@ int main(int argc, char** argv) {
   app.add_option("--address", options.address, "Address to listen at")->capture_default_str();
   app.add_option("--port", options.port, "UDP port; 0 takes any free one")->capture_default_str();
   app.add_option("--pty", options.pty, "Name for a serial line that leads to the board");
+  auto* scenario = app.add_option("--scenario", options.scenario,
+                                  "How the machine is built and what happens to it: "
+                                  "docs/scenarios.md")
+                       ->check(CLI::ExistingFile);
   const auto probability = CLI::Range(0.0, 1.0);
   app.add_option("--loss", options.trouble.loss, "Part of the packets that is lost")
-      ->check(probability);
+      ->check(probability)
+      ->excludes(scenario);
   app.add_option("--duplication", options.trouble.duplication, "Part that comes twice")
-      ->check(probability);
+      ->check(probability)
+      ->excludes(scenario);
   app.add_option("--corruption", options.trouble.corruption, "Part that is damaged")
-      ->check(probability);
+      ->check(probability)
+      ->excludes(scenario);
   app.add_option("--delay", options.trouble.delay, "Seconds that every packet takes")
-      ->check(CLI::Range(0.0, 10.0));
+      ->check(CLI::Range(0.0, 10.0))
+      ->excludes(scenario);
   app.add_option("--jitter", options.trouble.jitter, "Seconds that it may take longer")
-      ->check(CLI::Range(0.0, 10.0));
+      ->check(CLI::Range(0.0, 10.0))
+      ->excludes(scenario);
   CLI11_PARSE(app, argc, argv);
   return simulate(options);
 }
