@@ -59,6 +59,7 @@ enum class Fault : std::uint16_t {
   bad_segment = 1 << 2,    ///< a segment that cannot be executed (order, duration, step frequency)
   link_lost = 1 << 3,
   index_missing = 1 << 4,  ///< the spindle's index pulse did not come
+  step_loss = 1 << 5,      ///< a drive has begun to raise its alarm: inputs.drive_alarm
 };
 using Faults = std::uint16_t;
 
@@ -72,6 +73,7 @@ struct Inputs {
   bool hand_wheel_b = false;                  ///< [64]
   bool estop1 = false;                        ///< [65] either estop is a fault by itself
   bool estop2 = false;                        ///< [66]
+  AxisArray<bool> drive_alarm{};              ///< the axis' drive has lost steps, or is in a fault
   bool external_error = false;                ///< [67] what to do about it is the host's part
   Ports ports{};                              ///< AUX [1 … 16] and I/O cards [101 …]
   std::array<double, kAnalogCount> analog{};  ///< 0 … 1 of the input's range, [0] is input 1

@@ -23,6 +23,8 @@ constexpr std::array kFaultTexts{
               "The board ran out of motion segments while moving (FIFO underrun)."},
     FaultText{hal::Fault::bad_segment, ErrorCode::motion_fault,
               "The board refused a motion segment."},
+    FaultText{hal::Fault::step_loss, ErrorCode::motion_fault,
+              "A drive raised its alarm: its motor has lost steps, or the drive is in a fault."},
     FaultText{hal::Fault::link_lost, ErrorCode::motion_fault, "The board lost the connection."},
     FaultText{hal::Fault::index_missing, ErrorCode::motion_fault,
               "The spindle's index pulse did not come: the spindle must turn, and its sensor be "

@@ -275,6 +275,26 @@ TEST_CASE("A host that goes while the machine moves stops it; one that goes late
   CHECK(rig.core.status().faults == 0);
 }
 
+TEST_CASE("A drive that begins to raise its alarm is a fault once", "[hal][LNK-4]") {
+  Rig rig;
+  std::uint8_t alarm = 0;
+  rig.board.read_inputs = [&] { return Inputs{.alarm = alarm}; };
+  rig.push_run();
+  rig.core.advance(ticks(0.012));
+  alarm = axis_bit(0);
+  rig.core.advance(ticks(0.001));
+  CHECK(rig.core.status().faults == kStepLoss);
+  CHECK(rig.core.status().inputs.alarm == axis_bit(0));
+  CHECK_FALSE(rig.core.status().moving);
+  // It lasts, and may be cleared.
+  rig.core.clear_faults();
+  rig.core.advance(ticks(0.1));
+  CHECK(rig.core.status().faults == 0);
+  alarm |= axis_bit(2);
+  rig.core.advance(ticks(0.001));
+  CHECK(rig.core.status().faults == kStepLoss);
+}
+
 TEST_CASE("A host that speaks in time keeps the link, moving or not", "[hal][LNK-4]") {
   Setup setup = kFastBoard;
   setup.host_timeout = ticks(0.005);

@@ -87,6 +87,7 @@ firmware::Status random_status(std::mt19937& random) {
   status.inputs.ports = any<std::uint64_t>(random);
   for (auto& analog : status.inputs.analog) analog = any<std::uint32_t>(random);
   status.inputs.index_time = any<std::int64_t>(random);
+  status.inputs.alarm = any<std::uint8_t>(random);
   status.spindle_period = any<std::int64_t>(random);
   for (auto& latch : status.home_latch) {
     latch = {.armed = random() % 2 == 0, .caught = random() % 2 == 0};
@@ -231,6 +232,7 @@ TEST_CASE("A status comes out of its bytes as it went in", "[hal][LNK-9]") {
     CHECK(body_of(status) == bytes);
     CHECK(status.counts == written.counts);
     CHECK(status.outputs == written.outputs);
+    CHECK(status.inputs.alarm == written.inputs.alarm);
     if (i < 20) require_strict<firmware::Status>(bytes, random);
   }
 }

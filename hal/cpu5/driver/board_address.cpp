@@ -24,7 +24,6 @@ constexpr std::chrono::milliseconds kPause{5};
 std::vector<std::string> serial_lines() {
   std::vector<std::string> lines;
   for (const char* folder : {"/dev/serial/by-id", "/dev"}) {
-    error_code ignored;
     std::error_code missing;
     for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
       const std::string name = entry.path().filename();

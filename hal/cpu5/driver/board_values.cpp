@@ -61,6 +61,7 @@ Inputs from_board(const firmware::Inputs& inputs) {
                 .hand_wheel_count = inputs.hand_wheel_count};
   for (const Axis axis : kAllAxes) {
     result.home[axis] = (inputs.home & firmware::axis_bit(index_of(axis))) != 0;
+    result.drive_alarm[axis] = (inputs.alarm & firmware::axis_bit(index_of(axis))) != 0;
   }
   std::ranges::transform(inputs.analog, result.analog.begin(), analog_from_board);
   return result;

@@ -13,6 +13,7 @@ static_assert(firmware::kFifoUnderrun == static_cast<Faults>(Fault::fifo_underru
 static_assert(firmware::kEstop == static_cast<Faults>(Fault::estop));
 static_assert(firmware::kBadSegment == static_cast<Faults>(Fault::bad_segment));
 static_assert(firmware::kLinkLost == static_cast<Faults>(Fault::link_lost));
+static_assert(firmware::kStepLoss == static_cast<Faults>(Fault::step_loss));
 static_assert(firmware::kIndexMissing == static_cast<Faults>(Fault::index_missing));
 
 constexpr double seconds(firmware::Ticks ticks) {

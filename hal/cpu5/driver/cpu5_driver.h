@@ -22,7 +22,7 @@ namespace cnc::hal::cpu5 {
 
 struct DriverSettings {
   double max_step_frequency = 400e3;  ///< Hz, at most 495 kHz; LNK-3
-  double host_timeout = 0.5;  ///< s without exchange until the board stops the machine; 0 = never
+  double host_timeout = 0.5;   ///< s without exchange until the board stops the machine; 0 = never
   double index_timeout = 5.0;  ///< s that a segment waits for the spindle's index; 0 = for ever
   bool drives_off_on_fault = true;
 };

@@ -55,7 +55,8 @@ struct Inputs {
   std::int32_t hand_wheel_count = 0;                 ///< of the counting unit; wraps
   std::uint32_t index_count = 0;                     ///< spindle index pulses; wraps
   Ticks index_time = 0;                              ///< when the capture unit saw the last one
-  std::uint8_t alarm = 0;  ///< one bit per axis: its drive reports a lost step or a fault of its own
+  std::uint8_t alarm =
+      0;  ///< one bit per axis: its drive reports a lost step or a fault of its own
 
   [[nodiscard]] bool estop() const { return estop1 || estop2; }
 };
@@ -71,6 +72,7 @@ inline constexpr FaultBits kEstop = 1 << 1;         ///< estop input active
 inline constexpr FaultBits kBadSegment = 1 << 2;    ///< order, duration, range or step frequency
 inline constexpr FaultBits kLinkLost = 1 << 3;      ///< host silent for longer than the time-out
 inline constexpr FaultBits kIndexMissing = 1 << 4;  ///< no spindle index within the time-out
+inline constexpr FaultBits kStepLoss = 1 << 5;      ///< a drive has begun to raise its alarm
 
 enum class Edge : std::uint8_t { activate, release };
 

@@ -1,6 +1,7 @@
 #include "hal/cpu5/firmware/slice_player.h"
 
 #include <limits>
+#include <utility>
 
 namespace cnc::hal::cpu5::firmware {
 
@@ -78,6 +79,10 @@ void SlicePlayer::sample_inputs(Ticks now) {
   }
   if (played_.probe_latch.armed && played_.inputs.probe) watch_probe();
   if (played_.inputs.estop()) raise(kEstop);
+  // An alarm may last until the drives are switched off: only its beginning is a fault.
+  if ((played_.inputs.alarm & ~std::exchange(alarm_before_, played_.inputs.alarm)) != 0) {
+    raise(kStepLoss);
+  }
 }
 
 void SlicePlayer::watch_latch(std::size_t axis) {

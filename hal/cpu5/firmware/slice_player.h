@@ -99,6 +99,7 @@ class SlicePlayer {
   std::uint32_t next_step_ = 0;
   Played played_;  // its place: at the beginning of the front slice, or where the last one ended
   PerAxis<bool> home_before_{};
+  std::uint8_t alarm_before_ = 0;
 };
 
 }  // namespace cnc::hal::cpu5::firmware

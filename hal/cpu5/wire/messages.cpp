@@ -89,6 +89,7 @@ void put_inputs(ByteWriter& body, const Inputs& inputs) {
   body.put(inputs.hand_wheel_count);
   body.put(inputs.index_count);
   body.put(inputs.index_time);
+  body.put(inputs.alarm);
 }
 
 void get_inputs(ByteReader& body, Inputs& inputs) {
@@ -100,6 +101,7 @@ void get_inputs(ByteReader& body, Inputs& inputs) {
   inputs.hand_wheel_count = body.get<std::int32_t>();
   inputs.index_count = body.get<std::uint32_t>();
   inputs.index_time = body.get<firmware::Ticks>();
+  inputs.alarm = body.get<std::uint8_t>();
 }
 
 }  // namespace
