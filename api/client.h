@@ -114,6 +114,9 @@ class Client {
   /// Acts within one look-ahead. Answers the values that hold now.
   [[nodiscard]] Result<Overrides> set_overrides(const OverrideChange& change) const;
   [[nodiscard]] Result<void> set_work_zero(const std::vector<WorkCoordinate>& coordinates) const;
+  /// The operator has checked where these axes stand: their positions are trusted again (none
+  /// given: all that are not trusted). Refused if one of them has never been homed.
+  [[nodiscard]] Result<void> accept_position(const std::vector<Axis>& axes = {}) const;
   /// Presses or releases the estop button of the virtual board; unsupported on a real one.
   [[nodiscard]] Result<void> simulate_estop(bool pressed) const;
 

@@ -48,8 +48,9 @@ enum class Command : std::uint8_t {
   override_rates,
   set_work_zero,
   answer,
+  accept_position,
 };
-inline constexpr std::size_t kCommandCount = 13;
+inline constexpr std::size_t kCommandCount = 14;
 
 /// The names of the enumerators: "needs_reset", "set_work_zero". Stable; JSON uses them.
 [[nodiscard]] std::string_view name_of(MachineState state);
@@ -66,6 +67,15 @@ struct CommandAvailability {
 
 enum class SpindleDirection : std::uint8_t { off, clockwise, counterclockwise };
 [[nodiscard]] std::string_view name_of(SpindleDirection direction);
+
+/// What is known of where an axis really stands, apart from where it was sent. In the order from
+/// good to bad.
+enum class PositionTrust : std::uint8_t {
+  trusted,   ///< homed, or accepted by the operator, and stopped with ramps since
+  doubtful,  ///< the motor may have slipped: it was stopped without a ramp
+  unknown,   ///< not homed, or the board has lost its step counts
+};
+[[nodiscard]] std::string_view name_of(PositionTrust trust);
 
 struct JobStatus {
   std::string path;  ///< on the server's computer; empty = no job
@@ -108,7 +118,10 @@ struct MachineStatus {
   std::string state_text;  ///< what the machine waits for, in words
   AxisValues machine_position;
   AxisValues work_position;
-  AxisFlags homed;
+  AxisFlags homed;  ///< whose position is trusted
+  AxisArray<PositionTrust> trust{{PositionTrust::unknown, PositionTrust::unknown,
+                                  PositionTrust::unknown, PositionTrust::unknown,
+                                  PositionTrust::unknown, PositionTrust::unknown}};
   AxisValues velocity;           ///< per axis
   double feed = 0.0;             ///< along the path, mm/s
   double programmed_feed = 0.0;  ///< mm/s; 0 = rapid or none

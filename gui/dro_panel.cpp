@@ -42,6 +42,18 @@ QString motion_text(const api::MachineStatus& status) {
   return text;
 }
 
+QString machine_text(double position, api::PositionTrust trust) {
+  switch (trust) {
+    case api::PositionTrust::trusted:
+      return position_text(position) + u'\n' + DroPanel::tr("machine");
+    case api::PositionTrust::doubtful:
+      return position_text(position) + u'\n' + DroPanel::tr("doubtful");
+    case api::PositionTrust::unknown:
+      break;
+  }
+  return DroPanel::tr("not\nhomed");
+}
+
 }  // namespace
 
 DroPanel::DroPanel(QWidget* parent)
@@ -126,15 +138,14 @@ void DroPanel::show_status(const api::MachineStatus& status) {
 }
 
 void DroPanel::show_row(const Row& row, const api::MachineStatus& status) {
-  const bool homed = status.homed[row.axis];
+  const api::PositionTrust trust = status.trust[row.axis];
+  const bool trusted = trust == api::PositionTrust::trusted;
   row.work->show_value(status.work_position[row.axis]);
-  row.work->set_trusted(homed);
-  set_text(*row.machine,
-           homed ? position_text(status.machine_position[row.axis]) + u'\n' + tr("machine")
-                 : tr("not\nhomed"));
-  set_look(*row.machine, "tone", homed ? QString() : QStringLiteral("yellow"));
-  set_text(*row.home, homed ? QStringLiteral("⌂") : QStringLiteral("⌂?"));
-  set_look(*row.home, "homed", homed ? QStringLiteral("yes") : QStringLiteral("no"));
+  row.work->set_trusted(trusted);
+  set_text(*row.machine, machine_text(status.machine_position[row.axis], trust));
+  set_look(*row.machine, "tone", trusted ? QString() : QStringLiteral("yellow"));
+  set_text(*row.home, trusted ? QStringLiteral("⌂") : QStringLiteral("⌂?"));
+  set_look(*row.home, "homed", trusted ? QStringLiteral("yes") : QStringLiteral("no"));
   row.home->show_availability(status.availability(api::Command::home));
   row.zero->show_availability(status.availability(api::Command::set_work_zero));
 }

@@ -69,6 +69,12 @@ json calls_json(const std::vector<api::CallSite>& calls) {
   return array;
 }
 
+json trust_json(const api::AxisArray<api::PositionTrust>& trust) {
+  json object;
+  for (const api::Axis axis : api::kAllAxes) object[key_of(axis)] = name_of(trust[axis]);
+  return object;
+}
+
 json histogram(const std::vector<api::HistogramBin>& bins) {
   json array = json::array();
   for (const api::HistogramBin& bin : bins) {
@@ -97,6 +103,7 @@ json to_json(const api::MachineStatus& status) {
           {"machine_position", values(status.machine_position)},
           {"work_position", values(status.work_position)},
           {"homed", set_axes(status.homed)},
+          {"trust", trust_json(status.trust)},
           {"velocity", values(status.velocity)},
           {"feed", rounded(status.feed)},
           {"programmed_feed", rounded(status.programmed_feed)},

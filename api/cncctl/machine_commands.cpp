@@ -1,4 +1,4 @@
-// Commands to the machine: reset, home, jog, mdi, sub, override, zero, estop.
+// Commands to the machine: reset, home, accept, jog, mdi, sub, override, zero, estop.
 #include <chrono>
 #include <fmt/format.h>
 #include <memory>
@@ -32,18 +32,35 @@ api::WorkCoordinate parse_coordinate(std::string_view word) {
   return {parse_axis(word.substr(0, equals)), parse_number(word.substr(equals + 1))};
 }
 
+std::vector<api::Axis> parse_axes(const std::vector<std::string>& words) {
+  std::vector<api::Axis> axes;
+  for (const std::string& word : words) axes.push_back(parse_axis(word));
+  return axes;
+}
+
 void add_home(CLI::App& app, Task& task) {
   CLI::App& home = *app.add_subcommand("home", "Home axes and wait until they are homed");
   const auto words = std::make_shared<std::vector<std::string>>();
   home.add_option("axes", *words, "X … C; none: all, Z first")->type_name("AXIS");
   home.callback([&task, words] {
-    std::vector<api::Axis> axes;
-    for (const std::string& word : *words) axes.push_back(parse_axis(word));
+    const std::vector<api::Axis> axes = parse_axes(*words);
     task.when_interrupted =
         "the machine stops; the axis in motion and those after it are not homed";
     task.action = [axes](const Context& context) {
       return done(
           while_asking(context, [&] { return context.client.home(axes, context.interrupted); }));
+    };
+  });
+}
+
+void add_accept(CLI::App& app, Task& task) {
+  CLI::App& accept = *app.add_subcommand(
+      "accept", "Trust the positions of axes again: you have checked where they stand");
+  const auto words = std::make_shared<std::vector<std::string>>();
+  accept.add_option("axes", *words, "X … C; none: all that are not trusted")->type_name("AXIS");
+  accept.callback([&task, words] {
+    task.action = [axes = parse_axes(*words)](const Context& context) {
+      return done(context.client.accept_position(axes));
     };
   });
 }
@@ -222,6 +239,7 @@ void add_machine_commands(CLI::App& app, Task& task) {
         task.action = [](const Context& context) { return done(context.client.reset()); };
       });
   add_home(app, task);
+  add_accept(app, task);
   add_jog(app, task);
   add_mdi(app, task);
   add_sub(app, task);

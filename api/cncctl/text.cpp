@@ -75,7 +75,7 @@ std::string format_status(const api::MachineStatus& status, const std::vector<ap
   text += row("work", axes, [&](api::Axis axis) { return decimals(status.work_position[axis]); });
   text +=
       row("machine", axes, [&](api::Axis axis) { return decimals(status.machine_position[axis]); });
-  text += row("homed", axes, [&](api::Axis axis) { return status.homed[axis] ? "yes" : "no"; });
+  text += row("position", axes, [&](api::Axis axis) { return name_of(status.trust[axis]); });
   text += fmt::format("{:<9}{:.1f} mm/min\n", "feed", status.feed * kSecondsPerMinute);
   text += fmt::format(
       "{:<9}{}\n", "override",

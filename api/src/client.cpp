@@ -123,6 +123,13 @@ Result<void> Client::set_work_zero(const std::vector<WorkCoordinate>& coordinate
                           impl_->options.call_timeout));
 }
 
+Result<void> Client::accept_position(const std::vector<Axis>& axes) const {
+  v1::AcceptPositionRequest request;
+  for (const Axis axis : axes) request.add_axes(to_wire(axis));
+  return done(impl_->call(*impl_->motion, &v1::Motion::Stub::AcceptPosition, request,
+                          impl_->options.call_timeout));
+}
+
 Result<void> Client::simulate_estop(bool pressed) const {
   v1::SimulateEstopRequest request;
   request.set_pressed(pressed);

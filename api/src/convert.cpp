@@ -14,8 +14,8 @@ constexpr Enum shifted(WireEnum wire) {
 static_assert(shifted<Axis>(v1::AXIS_X) == Axis::X && shifted<Axis>(v1::AXIS_C) == Axis::C);
 static_assert(shifted<Command>(v1::COMMAND_RESET) == Command::reset &&
               shifted<Command>(v1::COMMAND_STOP) == Command::stop &&
-              shifted<Command>(v1::COMMAND_ANSWER) == Command::answer &&
-              v1::Command_MAX == v1::COMMAND_ANSWER);
+              shifted<Command>(v1::COMMAND_ACCEPT_POSITION) == Command::accept_position &&
+              v1::Command_MAX == v1::COMMAND_ACCEPT_POSITION);
 static_assert(shifted<Severity>(v1::SEVERITY_INFO) == Severity::info &&
               shifted<Severity>(v1::SEVERITY_ERROR) == Severity::error);
 static_assert(shifted<SpindleDirection>(v1::SPINDLE_DIRECTION_OFF) == SpindleDirection::off &&
@@ -97,6 +97,15 @@ std::array<CommandAvailability, kCommandCount> availabilities(const v1::MachineS
   return commands;
 }
 
+/// Whatever is not said is not trusted.
+AxisArray<PositionTrust> axis_trust(const v1::AxisTrust& wire) {
+  const auto trust = [](v1::PositionTrust value) {
+    return known_or(value, v1::PositionTrust_MAX, PositionTrust::unknown);
+  };
+  return {{trust(wire.x()), trust(wire.y()), trust(wire.z()), trust(wire.a()), trust(wire.b()),
+           trust(wire.c())}};
+}
+
 AxisDescription axis_description(const v1::AxisDescription& wire, Axis axis) {
   return {.axis = axis,
           .negative_limit = wire.negative_limit(),
@@ -144,6 +153,7 @@ MachineStatus from_wire(const v1::MachineStatus& wire) {
   status.machine_position = axis_values(wire.machine_position());
   status.work_position = axis_values(wire.work_position());
   status.homed = axis_flags(wire.homed());
+  status.trust = axis_trust(wire.trust());
   status.velocity = axis_values(wire.velocity());
   status.feed = wire.feed();
   status.programmed_feed = wire.programmed_feed();

@@ -20,19 +20,21 @@ constexpr std::array kStates{
     "homing"sv,      "mdi"sv,      "running"sv,     "pausing"sv,      "paused"sv,  "program_stop"sv,
     "tool_change"sv, "stopping"sv, "estop"sv,       "error"sv,        "question"sv};
 constexpr std::array kCommands{
-    "reset"sv, "home"sv,   "jog"sv,  "mdi"sv,    "load"sv,           "run"sv,
-    "pause"sv, "resume"sv, "stop"sv, "rewind"sv, "override_rates"sv, "set_work_zero"sv,
-    "answer"sv};
+    "reset"sv,  "home"sv,           "jog"sv,  "mdi"sv,    "load"sv,           "run"sv,
+    "pause"sv,  "resume"sv,         "stop"sv, "rewind"sv, "override_rates"sv, "set_work_zero"sv,
+    "answer"sv, "accept_position"sv};
 constexpr std::array kSpindleDirections{"off"sv, "clockwise"sv, "counterclockwise"sv};
+constexpr std::array kTrusts{"trusted"sv, "doubtful"sv, "unknown"sv};
 constexpr std::array kSeverities{"info"sv, "warning"sv, "error"sv};
 
 static_assert(kErrorKinds.size() == static_cast<std::size_t>(ErrorKind::denied) + 1);
 static_assert(kStates.size() == kMachineStateCount &&
               kMachineStateCount == static_cast<std::size_t>(MachineState::question) + 1);
 static_assert(kCommands.size() == kCommandCount &&
-              kCommandCount == static_cast<std::size_t>(Command::answer) + 1);
+              kCommandCount == static_cast<std::size_t>(Command::accept_position) + 1);
 static_assert(kSpindleDirections.size() ==
               static_cast<std::size_t>(SpindleDirection::counterclockwise) + 1);
+static_assert(kTrusts.size() == static_cast<std::size_t>(PositionTrust::unknown) + 1);
 static_assert(kSeverities.size() == static_cast<std::size_t>(Severity::error) + 1);
 
 template <std::size_t size, typename Enum>
@@ -46,6 +48,7 @@ std::string_view name_of(ErrorKind kind) { return word(kErrorKinds, kind); }
 std::string_view name_of(MachineState state) { return word(kStates, state); }
 std::string_view name_of(Command command) { return word(kCommands, command); }
 std::string_view name_of(SpindleDirection direction) { return word(kSpindleDirections, direction); }
+std::string_view name_of(PositionTrust trust) { return word(kTrusts, trust); }
 std::string_view name_of(Severity severity) { return word(kSeverities, severity); }
 
 std::string Error::to_string() const {

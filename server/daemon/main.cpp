@@ -4,6 +4,7 @@
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/signal_set.hpp>
 #include <boost/asio/steady_timer.hpp>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <fmt/format.h>
@@ -152,6 +153,8 @@ int serve(const Options& options) {
   MessageLog log;
   Link link(std::move(board->controller));
   Machine machine(std::move(*data), link, log);
+  if (machine.config().safety.shut_down_on_fatal)
+    machine.set_loss_listener([] { ::kill(::getpid(), SIGTERM); });
   TaskThread files;
   TaskThread fanout;
   TaskThread executor;

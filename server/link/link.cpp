@@ -30,6 +30,7 @@ void Link::cycle(double now) {
   status.board = controller_->exchange(now);
   // A board in fault takes nothing; what was meant for it would be wrong after the fault is
   // cleared. Nor does one that is not there.
+  session_ = status.board.sessions;
   const bool settled = status.board.frames_done >= settling_frame_;
   if (!status.board.connected || (settled && status.board.faults != 0)) drop_queue();
   path_is_void_ = settled && status.board.path_stop == hal::PathStop::stopped;
@@ -44,7 +45,10 @@ void Link::cycle(double now) {
   status_.publish();
 }
 
+/// The board may have been reset, or have gone on, between two sessions: what was meant for the one
+/// before would begin at another place.
 void Link::deliver() {
+  while (session_ != joined_session_ && queue_.read_available() > 0) drop_front();
   while (queue_.read_available() > 0 && (is_cut_off(queue_.front()) || deliver(queue_.front()))) {
     queue_.pop();
     note_delivered();
@@ -90,6 +94,7 @@ bool Link::deliver(const LinkItem& item) {
       if (is_committed) board.cut_behind(cut.id);
       return is_committed;
     }
+    bool operator()(const JoinSession&) const { return true; }
     bool operator()(const ArmProbe&) const {
       board.arm_probe_latch();
       return true;
@@ -132,16 +137,20 @@ bool Link::deliver(const LinkItem& item) {
 }
 
 void Link::drop_queue() {
-  while (queue_.read_available() > 0) {
-    // Faults are cleared by an item in this very queue: it must survive, or the machine could never
-    // leave the fault.
-    if (std::holds_alternative<ClearFaults>(queue_.front())) {
-      controller_->clear_faults();
-      settling_frame_ = controller_->next_frame();
-    }
-    queue_.pop();
-    note_delivered();
+  while (queue_.read_available() > 0) drop_front();
+}
+
+void Link::drop_front() {
+  const LinkItem& item = queue_.front();
+  if (const auto* join = std::get_if<JoinSession>(&item)) joined_session_ = join->session;
+  // Faults are cleared by an item in this very queue: it must survive, or the machine could never
+  // leave the fault.
+  if (std::holds_alternative<ClearFaults>(item) && session_ == joined_session_) {
+    controller_->clear_faults();
+    settling_frame_ = controller_->next_frame();
   }
+  queue_.pop();
+  note_delivered();
 }
 
 }  // namespace cnc::server

@@ -38,13 +38,20 @@ struct DisarmProbe {};
 /// Ends a stop along the path: segments pushed before it are void, those behind it are taken.
 struct ReleaseStop {};
 
+/// What follows is meant for the board in this session. Items pushed before, for a session that has
+/// ended, are dropped.
+struct JoinSession {
+  std::uint32_t session = 0;
+};
+
 /// The segments that follow replace those behind segment `id`; by Link::begin_cut() only.
 struct CutBehind {
   std::uint32_t id = 0;
 };
 
-using LinkItem = std::variant<hal::Segment, SetOutputs, ClearFaults, SetPosition, ArmLatch,
-                              DisarmLatch, ArmProbe, DisarmProbe, ReleaseStop, CutBehind>;
+using LinkItem =
+    std::variant<hal::Segment, SetOutputs, ClearFaults, SetPosition, ArmLatch, DisarmLatch,
+                 ArmProbe, DisarmProbe, ReleaseStop, CutBehind, JoinSession>;
 
 struct LinkStatus {
   hal::ControllerStatus board;
@@ -106,6 +113,7 @@ class Link {
   bool deliver(const LinkItem& item);
   [[nodiscard]] bool is_cut_off(const LinkItem& item) const;
   void drop_queue();
+  void drop_front();
   void note_delivered();
   void note_done(std::uint64_t frames_done);
 
@@ -128,6 +136,8 @@ class Link {
   std::uint64_t delivered_ = 0;   // link thread's, as all that follows: items handed over
   std::uint64_t items_done_ = 0;  // and those that the board has answered
   std::array<Delivery, kDeliveries> deliveries_{};  // by frame
+  std::uint32_t session_ = 0;                       // with the board, as last heard
+  std::uint32_t joined_session_ = 0;                // that the items in the queue are meant for
   std::uint64_t frames_done_ = 0;
   std::uint64_t settling_frame_ = 0;  // clears faults or releases a stop: older status is past
   bool path_is_void_ = false;         // the board has stopped along the path: no segment reaches it

@@ -87,10 +87,8 @@ std::optional<Axis> Homing::advance() {
         break;
       }
       if (axis_config().home_velocity == 0.0) {  // homed by hand: it stands at its home position
-        feed_.set_position(axis(), axis_config().home_position);
-        const Axis homed = axis();
-        axes_.erase(axes_.begin());
-        return homed;
+        set_position(axis_config().home_position);
+        break;
       }
       begin_axis();
       break;
@@ -117,8 +115,15 @@ std::optional<Axis> Homing::advance() {
         fail(ErrorCode::home_switch_stuck, "did not release its home switch");
       break;
     case Phase::released:
-      if (at_rest()) return take_latch();
+      if (at_rest()) take_latch();
       break;
+    case Phase::counting: {
+      if (!at_rest()) break;
+      const Axis homed = axis();
+      axes_.erase(axes_.begin());
+      phase_ = Phase::next_axis;
+      return homed;
+    }
     case Phase::stopping:
       if (!at_rest()) break;
       axes_.clear();
@@ -149,14 +154,15 @@ void Homing::brake_into(Phase next) {
 }
 
 /// The place of the release has the home position; the axis has run on a little behind it.
-std::optional<Axis> Homing::take_latch() {
+void Homing::take_latch() {
   const double behind = feed_.board().position[axis()] - feed_.board().home_latch[axis()].position;
   feed_.send(DisarmLatch{axis()});
-  feed_.set_position(axis(), axis_config().home_position + behind);
-  const Axis homed = axis();
-  axes_.erase(axes_.begin());
-  phase_ = Phase::next_axis;
-  return homed;
+  set_position(axis_config().home_position + behind);
+}
+
+void Homing::set_position(double position) {
+  feed_.set_position(axis(), position);
+  phase_ = Phase::counting;
 }
 
 void Homing::fail(ErrorCode code, std::string_view what) {

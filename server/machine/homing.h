@@ -43,6 +43,7 @@ class Homing {
     arming,      // until the board has the latch armed: what it caught before must not count
     off_switch,  // back until it releases
     released,    // braking; then the latch is read
+    counting,    // until the board counts from the new position: a fault may still come first
     stopping,    // ended by stop() or an error
   };
 
@@ -50,7 +51,8 @@ class Homing {
   void begin_axis();
   void move(double velocity, double reach);
   void brake_into(Phase next);
-  [[nodiscard]] std::optional<Axis> take_latch();
+  void take_latch();
+  void set_position(double position);
   void fail(ErrorCode code, std::string_view what);
   [[nodiscard]] Axis axis() const { return axes_.front(); }
   [[nodiscard]] const config::AxisConfig& axis_config() const { return config_.axes[axis()]; }

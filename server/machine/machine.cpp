@@ -1,5 +1,6 @@
 // The machine as an object: what it is made of, who may ask what, who waits for what, and how it
-// comes to rest. Commands are in machine_commands.cpp, the cycle in machine_cycle.cpp.
+// comes to rest. Commands are in machine_commands.cpp, the cycle in machine_cycle.cpp,
+// the board in machine_board.cpp.
 #include "server/machine/machine.h"
 
 #include <algorithm>
@@ -28,6 +29,13 @@ config::HeadOffset config::MachineConfig::*setting_of(interp::Head head) {
   return nullptr;
 }
 
+/// Those that a program can move; slaves follow their masters in this too.
+AxisArray<bool> programmable_axes(const config::MachineConfig& config) {
+  AxisArray<bool> axes;
+  for (const Axis axis : kAllAxes) axes[axis] = config.axes[axis].programmable();
+  return axes;
+}
+
 }  // namespace
 
 Machine::Machine(MachineData data, Link& link, MessageLog& log)
@@ -40,7 +48,8 @@ Machine::Machine(MachineData data, Link& link, MessageLog& log)
       job_(data_.config, interpreter_, data_.parameters, feed_, io_, files_, log_),
       homing_(data_.config, feed_),
       jog_(data_.config, feed_),
-      saver_({data_.parameter_file, data_.tool_file}, log_) {
+      saver_({data_.parameter_file, data_.tool_file}, log_),
+      trust_(programmable_axes(data_.config)) {
   if (!data_.macros.empty()) use_macros(data_.macros);
   load_macros();
   job_.set_head_keeper([this](const interp::StoreHeadOffset& store) { return keep_head(store); });
@@ -166,16 +175,11 @@ void Machine::begin_stop() {
   }
 }
 
-bool Machine::all_homed() const {
-  return std::ranges::all_of(
-      kAllAxes, [&](Axis axis) { return homed_[axis] || !data_.config.axes[axis].programmable(); });
-}
-
 State Machine::resting_state() const {
   if (job_.active()) return waiting_state_;  // jogged while the program waits
   if (!feed_.board().connected) return State::off;
   if (!io_.outputs().drives_enabled) return State::needs_reset;
-  if (data_.config.safety.homing_mandatory && !all_homed()) return State::needs_homing;
+  if (data_.config.safety.homing_mandatory && !trust_.all_trusted()) return State::needs_homing;
   return State::ready;
 }
 

@@ -28,6 +28,7 @@
 #include "server/machine/message_log.h"
 #include "server/machine/motion_feed.h"
 #include "server/machine/persistence.h"
+#include "server/machine/position_trust.h"
 #include "server/machine/snapshot.h"
 
 namespace cnc::server {
@@ -81,6 +82,8 @@ class Machine {
   void jog_stop();
   Result<Overrides> set_overrides(const Overrides& overrides);
   Result<void> set_work_zero(const std::vector<WorkCoordinate>& coordinates);
+  /// The operator has checked where the axes stand; none given: all that are not trusted.
+  Result<void> accept_position(const std::vector<Axis>& axes);
   /// Answers when parameters and offsets as they are now are on disk.
   void when_saved(Completion done);
   /// Blocks until what programs have written is on disk.
@@ -100,6 +103,8 @@ class Machine {
   void set_restart_listener(std::function<void(const Position&)> listener) {
     feed_.set_restart_listener(std::move(listener));
   }
+  /// Is called when the connection to the board is lost.
+  void set_loss_listener(std::function<void()> listener) { loss_listener_ = std::move(listener); }
   /// The last so many setpoints were replaced before the board began them.
   void set_cut_listener(std::function<void(std::size_t)> listener) {
     feed_.set_cut_listener(std::move(listener));
@@ -141,13 +146,15 @@ class Machine {
   void enter(State state) { state_ = state; }
   [[nodiscard]] State working_state() const { return single_line_ ? State::mdi : State::running; }
   [[nodiscard]] State resting_state() const;
-  [[nodiscard]] bool all_homed() const;
 
   void watch_board();
+  void take_board();
+  void lose_board();
   void on_fault(hal::Faults faults);
   void stop_at_once(Error error);
   void end_everything(Error error);
-  void lose_position_of_moving_axes();
+  void quick_stop();
+  void lose_trust(TrustEvent event, const AxisArray<bool>& axes);
   void cycle_job();
   void on_job_signal(JobSignal signal);
   void wait_for_operator(State state);
@@ -184,7 +191,8 @@ class Machine {
   double now_ = 0.0;
   double last_cycle_ = 0.0;
   std::uint64_t sequence_ = 0;
-  AxisArray<bool> homed_{};
+  PositionTrust trust_;
+  std::uint32_t session_ = 0;        // with the board; 0: it was never there
   AxisArray<bool> home_switches_{};  // as seen in the last cycle
   std::vector<Waiter> waiters_;
   std::vector<std::pair<StateSaver::Ticket, Completion>> waiting_for_disk_;
@@ -196,6 +204,7 @@ class Machine {
   bool reset_wanted_ = false;
   double reset_deadline_ = 0.0;
   bool shutting_down_ = false;
+  std::function<void()> loss_listener_;
 
   std::shared_ptr<const interp::Program> program_;
   std::string program_path_;

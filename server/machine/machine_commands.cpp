@@ -37,7 +37,7 @@ void Machine::home(std::vector<Axis> axes, Completion done) {
   wait_for(WaitFor::home, std::move(done));
   load_macros();
   if (auto text = homing_subs(axes, all)) return run_text(std::move(*text), "homing");
-  for (const Axis axis : axes) homed_[axis] = false;
+  for (const Axis axis : axes) trust_.take(TrustEvent::homing_begun, only(axis));
   homing_.start(std::move(axes));
   enter(State::homing);
 }
@@ -146,7 +146,7 @@ Result<void> Machine::jog(const Position& rates, double lease) {
   for (const Axis axis : kAllAxes)
     if (rates[axis] != 0.0)
       if (auto free = check_clamp(axis); !free) return free;
-  if (auto set = jog_.set_rates(rates, now_ + lease, homed_); !set) return set;
+  if (auto set = jog_.set_rates(rates, now_ + lease, trust_.trusted()); !set) return set;
   if (jog_.active()) enter(State::jogging);
   return {};
 }
@@ -154,7 +154,7 @@ Result<void> Machine::jog(const Position& rates, double lease) {
 Result<void> Machine::jog_step(Axis axis, double distance, double rate) {
   if (auto allowed = allow(CommandKind::jog); !allowed) return allowed;
   if (auto free = check_clamp(axis); !free) return free;
-  if (auto stepped = jog_.step(axis, distance, rate, homed_); !stepped) return stepped;
+  if (auto stepped = jog_.step(axis, distance, rate, trust_.trusted()); !stepped) return stepped;
   if (jog_.active()) enter(State::jogging);
   return {};
 }
@@ -175,6 +175,21 @@ Result<Overrides> Machine::set_overrides(const Overrides& overrides) {
     if (!checked) return std::unexpected(checked.error());
   job_.set_overrides(overrides);
   return overrides;
+}
+
+Result<void> Machine::accept_position(const std::vector<Axis>& axes) {
+  if (auto allowed = allow(CommandKind::accept_position); !allowed) return allowed;
+  for (const Axis axis : axes)
+    if (!data_.config.axes[axis].programmable())
+      return fail(ErrorCode::axis_not_connected,
+                  fmt::format("Axis {} is not connected; it has no position.", axis_name(axis)));
+  const auto accepted = trust_.accept(axes);
+  if (!accepted) return std::unexpected(accepted.error());
+  for (const Axis axis : *accepted)
+    log_.add(Severity::warning, fmt::format("The operator accepts {} as the position of axis {}.",
+                                            feed_.commanded()[axis], axis_name(axis)));
+  enter(resting_state());
+  return {};
 }
 
 /// G10 L20 for the active system, by the interpreter itself: there is one rule for offsets.

@@ -1,6 +1,4 @@
 // The machine's cycle: what happens by itself, every few milliseconds.
-#include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <utility>
 
@@ -10,26 +8,6 @@ namespace cnc::server {
 namespace {
 
 constexpr double kResetTimeout = 2.0;  // s for a board to clear faults and switch its drives on
-
-struct FaultText {
-  hal::Fault fault;
-  ErrorCode code;
-  std::string_view text;
-};
-
-constexpr std::array kFaultTexts{
-    FaultText{hal::Fault::estop, ErrorCode::estop_pressed, "Emergency stop is pressed."},
-    FaultText{hal::Fault::fifo_underrun, ErrorCode::motion_fault,
-              "The board ran out of motion segments while moving (FIFO underrun)."},
-    FaultText{hal::Fault::bad_segment, ErrorCode::motion_fault,
-              "The board refused a motion segment."},
-    FaultText{hal::Fault::step_loss, ErrorCode::motion_fault,
-              "A drive raised its alarm: its motor has lost steps, or the drive is in a fault."},
-    FaultText{hal::Fault::link_lost, ErrorCode::motion_fault, "The board lost the connection."},
-    FaultText{hal::Fault::index_missing, ErrorCode::motion_fault,
-              "The spindle's index pulse did not come: the spindle must turn, and its sensor be "
-              "connected to the Sync input."},
-};
 
 std::unexpected<Error> stopped_by_operator() {
   return fail(ErrorCode::command_interrupted, "Stopped by the operator.");
@@ -59,90 +37,6 @@ void Machine::take_findings() {
                                                        : findings_->report.errors[0].to_error();
   log_.add(Severity::warning, fmt::format("The job would stop with an error ({} found), first: {}",
                                           findings_->problem_count(), first.to_string()));
-}
-
-void Machine::watch_board() {
-  const hal::ControllerStatus& board = feed_.board();
-  if (!board.connected) {
-    if (state_ != State::off) on_fault(static_cast<hal::Faults>(hal::Fault::link_lost));
-    enter(State::off);
-    if (std::exchange(reset_wanted_, false))
-      settle(WaitFor::reset, fail(ErrorCode::controller_not_answering,
-                                  "The connection to the board was lost during the reset."));
-    return;
-  }
-  if (state_ == State::off) {
-    feed_.accept_board_position();
-    interpreter_.set_position(feed_.commanded());
-    enter(State::needs_reset);
-  }
-  watch_home_switches();
-  if (board.faults != 0 && state_ != State::estop && state_ != State::error) on_fault(board.faults);
-  // The board may still have been braking its last steps when the fault was seen.
-  if ((state_ == State::estop || state_ == State::error) && !board.moving)
-    feed_.accept_board_position();
-}
-
-/// STA-4: behind homing, a home switch that becomes active is an emergency stop where that is
-/// wanted. Pulses stop at once; the machine may be jogged off the switch after a reset.
-void Machine::watch_home_switches() {
-  const AxisArray<bool> before = std::exchange(home_switches_, feed_.board().inputs.home);
-  if (!job_.home_is_estop() || homing_.active()) return;
-  for (const Axis axis : kAllAxes) {
-    if (!home_switches_[axis] || before[axis] || !homed_[axis]) continue;
-    stop_at_once({ErrorCode::home_switch_active,
-                  fmt::format("The home switch of {} became active.", axis_name(axis)),
-                  std::nullopt});
-    return;
-  }
-}
-
-void Machine::on_fault(hal::Faults faults) {
-  const auto row = std::ranges::find_if(kFaultTexts, [&](const FaultText& text) {
-    return (faults & static_cast<hal::Faults>(text.fault)) != 0;
-  });
-  const bool known = row != kFaultTexts.end();
-  lose_position_of_moving_axes();
-  io_.board_is_off();
-  feed_.accept_board_position();
-  end_everything({known ? row->code : ErrorCode::motion_fault,
-                  known ? std::string(row->text)
-                        : fmt::format("The board reports a fault that is not known ({}).", faults),
-                  std::nullopt});
-}
-
-void Machine::stop_at_once(Error error) {
-  lose_position_of_moving_axes();
-  feed_.quick_stop();
-  io_.all_off();
-  end_everything(std::move(error));
-}
-
-/// Whatever was going on is over, without a ramp.
-void Machine::end_everything(Error error) {
-  log_.add(error);
-  jog_.drop();
-  homing_.drop();
-  const bool had_job = job_.active();
-  job_.abandon();
-  enter(error.code == ErrorCode::estop_pressed ? State::estop : State::error);
-  const auto interrupted = fail(ErrorCode::command_interrupted, error.message);
-  if (had_job && !single_line_) ended_well_ = false;
-  for (const WaitFor what : {WaitFor::home, WaitFor::mdi, WaitFor::pause})
-    settle(what, interrupted);
-  if (!reset_wanted_) settle(WaitFor::reset, interrupted);  // user_reset
-  settle(WaitFor::rest, {});
-}
-
-/// An axis that is stopped without a ramp may have lost steps: it has to be homed again.
-void Machine::lose_position_of_moving_axes() {
-  const AxisArray<bool> moving = feed_.axes_in_motion();
-  for (const Axis axis : kAllAxes)
-    if (moving[axis] && std::exchange(homed_[axis], false))
-      log_.add(
-          Severity::warning,
-          fmt::format("Axis {} was stopped without a ramp: its position may be wrong. Home it.",
-                      axis_name(axis)));
 }
 
 void Machine::cycle_job() {
@@ -193,10 +87,7 @@ void Machine::on_job_signal(JobSignal signal) {
       const Error error = job_.error();
       log_.add(error);
       // A setpoint that was refused leaves the machine in motion without an end.
-      if (!feed_.at_rest()) {
-        lose_position_of_moving_axes();
-        feed_.quick_stop();
-      }
+      if (!feed_.at_rest()) quick_stop();
       end_job(std::unexpected(error));
       break;
     }
@@ -227,7 +118,7 @@ void Machine::home_for_job() {
                    fmt::format("Axis {} is not connected; it cannot be homed.", axis_name(axis)),
                    std::nullopt});
   }
-  homed_[axis] = false;
+  trust_.take(TrustEvent::homing_begun, only(axis));
   homing_.start({axis});
   enter(State::homing);
 }
@@ -274,7 +165,7 @@ void Machine::cycle_stop() {
 void Machine::cycle_homing() {
   if (!homing_.active()) return;
   if (const auto axis = homing_.cycle()) {
-    homed_[*axis] = true;
+    trust_.homed(*axis);
     log_.add(Severity::info, fmt::format("Axis {} is homed.", axis_name(*axis)));
   }
   if (homing_.active()) return;
@@ -304,8 +195,7 @@ void Machine::cycle_jog() {
   jog_.cycle(now_);
   if (const auto& error = jog_.error()) {
     log_.add(*error);
-    lose_position_of_moving_axes();
-    feed_.quick_stop();
+    quick_stop();
   }
   if (jog_.active() || state_ == State::stopping) return;
   interpreter_.set_position(feed_.commanded());

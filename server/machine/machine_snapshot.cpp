@@ -16,7 +16,8 @@ MachineSnapshot Machine::take_snapshot() {
   shown.sequence = ++sequence_;
   shown.time = now_;
   shown.state = state_;
-  shown.state_text = state_info(state_).waits;
+  shown.state_text =
+      state_ == State::needs_homing ? trust_.advice() : std::string(state_info(state_).waits);
   shown.machine_position = board.position;
   // Rotation and scaling (G68, G51) are shown as the interpreter has them, which is up to a
   // look-ahead early; offsets as they are executed.
@@ -25,7 +26,7 @@ MachineSnapshot Machine::take_snapshot() {
                                                       : board.position - offsets.total();
   if (data_.config.interpreter.diameter_programming && !modal.rotated && !modal.scaled)
     shown.work_position[Axis::X] *= 2.0;  // to_work() has it already
-  shown.homed = homed_;
+  shown.trust = trust_.all();
   shown.velocity = executing.velocity;
   const double linear = linear_length(executing.velocity);
   shown.feed = linear > 0.0 ? linear : rotary_length(executing.velocity);

@@ -20,6 +20,9 @@ constexpr double kStill = 1e-9;
 
 constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
+/// Time that an axis needs to come to rest behind the last pulse of its motor, s.
+constexpr double kSettling = 0.1;
+
 /// Two motors of an axis that stop together are apart by less than this many steps of theirs.
 constexpr double kSlaveTolerance = 2.0;
 
@@ -87,8 +90,12 @@ const motion::Compensation::State& MotionFeed::state_of_board() const {
 
 /// The board counts motors; from here on its positions are the machine's.
 void MotionFeed::read_status() {
+  const hal::ControllerStatus& before = status_.board;
+  const std::pair place_before{before.executing_id, before.executing_phase};
   status_ = link_.status();
   hal::ControllerStatus& board = status_.board;
+  if (board.moving || std::pair{board.executing_id, board.executing_phase} != place_before)
+    moved_at_ = board.time;
   const motion::Compensation::State& state = state_of_board();
   motors_ = board.position;
   board.position = compensation_.machine_at(motors_, state);
@@ -280,14 +287,44 @@ Executing MotionFeed::executing() const {
   return {entry.tag, entry.feed_limit, entry.start_velocity + change * board.executing_phase};
 }
 
+/// A motor runs on a little behind its pulses; stopped or switched off then, it has slipped.
 AxisArray<bool> MotionFeed::axes_in_motion() const {
   const hal::ControllerStatus& board = status_.board;
   const Sent& entry = sent(board.executing_id);
   if (board.executing_id == 0 || entry.id != board.executing_id) return {};
-  if (board.executing_phase < 1.0) return entry.moves;
-  AxisArray<bool> still_moving;
-  for (const Axis axis : kAllAxes) still_moving[axis] = entry.motor_velocity[axis] != 0.0;
-  return still_moving;
+  AxisArray<bool> motors;
+  if (board.executing_phase < 1.0) motors = entry.moves;
+  for (const Axis motor : kAllAxes) motors[motor] |= entry.motor_velocity[motor] != 0.0;
+  const double settled = executed_time() + std::max(board.time - moved_at_, 0.0) - kSettling;
+  for (std::uint32_t id = entry.id;
+       id > stopped_id_ && sent(id).id == id && sent(id).end_time > settled; id = sent(id).before)
+    for (const Axis motor : kAllAxes) motors[motor] |= sent(id).moves[motor];
+  return axes_of(motors);
+}
+
+/// A cut that is not answered may not have reached the board: either path may be under way.
+AxisArray<bool> MotionFeed::axes_under_way() const {
+  AxisArray<bool> motors;
+  add_moves_up_to(last_id_, motors);
+  if (cut_.answer == CutAnswer::pending) add_moves_up_to(cut_.last_id, motors);
+  AxisArray<bool> axes = axes_of(motors);
+  const AxisArray<bool> now = axes_in_motion();
+  for (const Axis axis : kAllAxes) axes[axis] = axes[axis] || now[axis];
+  return axes;
+}
+
+/// Of what the board has not begun, as far as it was heard.
+void MotionFeed::add_moves_up_to(std::uint32_t id, AxisArray<bool>& motors) const {
+  const std::uint32_t reached = std::max(status_.board.executing_id, void_id_);
+  for (; id > reached && sent(id).id == id; id = sent(id).before)
+    for (const Axis motor : kAllAxes) motors[motor] = motors[motor] || sent(id).moves[motor];
+}
+
+AxisArray<bool> MotionFeed::axes_of(const AxisArray<bool>& motors) const {
+  AxisArray<bool> axes = motors;
+  for (const Axis motor : kAllAxes)
+    if (motors[motor]) axes[compensation_.kinematics().axis_of(motor)] = true;
+  return axes;
 }
 
 void MotionFeed::quick_stop() {
@@ -310,7 +347,7 @@ void MotionFeed::accept_board_position() {
   last.end_velocity = last.end_acceleration = {};
   last.end_time = executed_time();
   last.ordinal = executing.ordinal;  // nothing is under way
-  void_id_ = newest_id_;
+  void_id_ = stopped_id_ = newest_id_;
   position_unknown_ = false;
 }
 

@@ -72,9 +72,13 @@ class MotionFeed {
   /// A quick stop is under way: where the machine will stand is not known yet.
   [[nodiscard]] bool stopping() const { return position_unknown_; }
   [[nodiscard]] Executing executing() const;
-  /// Axes that the board was moving in the segment it executes, or in which it has been stopped.
-  /// None once that stop has been accepted.
+  /// Axes whose motors the board was moving in the segment it executes, or in which it has been
+  /// stopped, and those that have not come to rest behind it yet. None once that stop has been
+  /// accepted.
   [[nodiscard]] AxisArray<bool> axes_in_motion() const;
+  /// Those, and all that would still move in what was sent: where the board may be by now when it
+  /// is not heard any more.
+  [[nodiscard]] AxisArray<bool> axes_under_way() const;
   /// Id of the last segment emitted that is not void, and whether the board has finished the
   /// segment `id`.
   [[nodiscard]] std::uint32_t last_id() const { return last_id_; }
@@ -89,6 +93,8 @@ class MotionFeed {
   [[nodiscard]] const motion::HeightSurface* surface() const { return compensation_.surface(); }
 
   void send(const LinkItem& item) { link_.push(item); }
+  /// What is sent from now on is meant for the board as it is in the present session.
+  void join_session() { link_.push(JoinSession{status_.board.sessions}); }
   /// Is called with every setpoint that leaves.
   void set_listener(std::function<void(const motion::Setpoint&)> listener) {
     listener_ = std::move(listener);
@@ -143,6 +149,8 @@ class MotionFeed {
 
   [[nodiscard]] const Sent& sent(std::uint32_t id) const { return history_[id % kHistory]; }
   [[nodiscard]] double executed_time() const;
+  [[nodiscard]] AxisArray<bool> axes_of(const AxisArray<bool>& motors) const;
+  void add_moves_up_to(std::uint32_t id, AxisArray<bool>& motors) const;
   void revoke_cut();
   void go_on_behind(std::uint32_t id);
   [[nodiscard]] const motion::Compensation::State& state_of_board() const;
@@ -171,6 +179,8 @@ class MotionFeed {
   motion::Compensation::State void_state_;  // of the machine that stands there
   Position commanded_;
   Position motors_;                // of the board, as counted
+  double moved_at_ = 0.0;          // board time at which it was last seen in motion
+  std::uint32_t stopped_id_ = 0;   // up to here stops without a ramp have been accepted
   bool position_unknown_ = false;  // a quick stop is under way
 };
 

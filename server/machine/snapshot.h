@@ -10,6 +10,7 @@
 
 #include "config/axis.h"
 #include "interpreter/canonical.h"
+#include "server/machine/position_trust.h"
 #include "server/machine/state_table.h"
 
 namespace cnc::server {
@@ -49,7 +50,7 @@ struct MachineSnapshot {
   std::string state_text;
   Position machine_position;
   Position work_position;
-  AxisArray<bool> homed{};
+  AxisArray<Trust> trust = AxisArray<Trust>::filled(Trust::unknown);
   Position velocity;
   double feed = 0.0;             ///< mm/s along the path
   double programmed_feed = 0.0;  ///< mm/s; 0 = rapid or none

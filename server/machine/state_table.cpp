@@ -20,7 +20,8 @@ using enum State;
 constexpr std::array<StateInfo, kStateCount> kStates{{
     {off, "off", "No controller is connected: check the connection settings and the cable."},
     {needs_reset, "needs reset", "Drives are off: reset to switch them on."},
-    {needs_homing, "needs homing", "The machine does not know its position: home the axes."},
+    {needs_homing, "needs homing",
+     "Where the machine stands is not certain: home the axes, or check and accept the position."},
     {ready, "ready", "Nothing runs: the machine is ready."},
     {jogging, "jogging", "The machine is jogged: release the key."},
     {homing, "homing", "Axes are homed: wait for the end or stop."},
@@ -54,6 +55,7 @@ constexpr std::array<CommandRule, kCommandCount> kCommands{{
     {CommandKind::set_override, "override", kAll},
     {CommandKind::set_work_zero, "zero", states({needs_homing, ready})},
     {CommandKind::answer, "answer", states({question})},
+    {CommandKind::accept_position, "accept position", states({needs_homing, ready})},
 }};
 
 static_assert(

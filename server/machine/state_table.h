@@ -16,7 +16,7 @@ namespace cnc::server {
 enum class State : std::uint8_t {
   off,           ///< no controller
   needs_reset,   ///< drives are off
-  needs_homing,  ///< drives are on, homing is mandatory and not done
+  needs_homing,  ///< drives are on, homing is mandatory and an axis is not trusted
   ready,
   jogging,
   homing,
@@ -47,8 +47,9 @@ enum class CommandKind : std::uint8_t {
   set_override,
   set_work_zero,
   answer,
+  accept_position,
 };
-inline constexpr std::size_t kCommandCount = 13;
+inline constexpr std::size_t kCommandCount = 14;
 
 struct StateInfo {
   State state;

@@ -75,6 +75,8 @@ v1::Command to_proto(CommandKind command) {
       return v1::COMMAND_OVERRIDE;
     case CommandKind::answer:
       return v1::COMMAND_ANSWER;
+    case CommandKind::accept_position:
+      return v1::COMMAND_ACCEPT_POSITION;
     case CommandKind::set_work_zero:
       return v1::COMMAND_SET_WORK_ZERO;
   }
@@ -103,6 +105,29 @@ v1::Severity to_proto(Severity severity) {
       return v1::SEVERITY_ERROR;
   }
   return v1::SEVERITY_UNSPECIFIED;
+}
+
+v1::PositionTrust to_proto(Trust trust) {
+  switch (trust) {
+    case Trust::trusted:
+      return v1::POSITION_TRUST_TRUSTED;
+    case Trust::doubtful:
+      return v1::POSITION_TRUST_DOUBTFUL;
+    case Trust::unknown:
+      return v1::POSITION_TRUST_UNKNOWN;
+  }
+  return v1::POSITION_TRUST_UNSPECIFIED;
+}
+
+v1::AxisTrust to_proto(const AxisArray<Trust>& trust) {
+  v1::AxisTrust out;
+  out.set_x(to_proto(trust[Axis::X]));
+  out.set_y(to_proto(trust[Axis::Y]));
+  out.set_z(to_proto(trust[Axis::Z]));
+  out.set_a(to_proto(trust[Axis::A]));
+  out.set_b(to_proto(trust[Axis::B]));
+  out.set_c(to_proto(trust[Axis::C]));
+  return out;
 }
 
 v1::JobStatus to_proto(const JobSnapshot& job) {
@@ -216,7 +241,9 @@ v1::MachineStatus to_proto(const MachineSnapshot& snapshot) {
   out.set_state_text(snapshot.state_text);
   *out.mutable_machine_position() = to_proto(snapshot.machine_position);
   *out.mutable_work_position() = to_proto(snapshot.work_position);
-  add_axes(snapshot.homed, out.mutable_homed());
+  for (const Axis axis : kAllAxes)
+    if (snapshot.trust[axis] == Trust::trusted) out.add_homed(to_proto(axis));
+  *out.mutable_trust() = to_proto(snapshot.trust);
   *out.mutable_velocity() = to_proto(snapshot.velocity);
   out.set_feed(snapshot.feed);
   out.set_programmed_feed(snapshot.programmed_feed);

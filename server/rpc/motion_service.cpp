@@ -4,6 +4,17 @@
 namespace cnc::server::rpc {
 namespace {
 
+/// Nothing when one of them is not named.
+std::optional<std::vector<Axis>> axes_from(const google::protobuf::RepeatedField<int>& numbers) {
+  std::vector<Axis> axes;
+  for (const int number : numbers) {
+    const auto axis = axis_from(static_cast<v1::Axis>(number));
+    if (!axis) return std::nullopt;
+    axes.push_back(*axis);
+  }
+  return axes;
+}
+
 class MotionService final : public v1::Motion::CallbackService {
  public:
   explicit MotionService(Host& host) : host_(host) {}
@@ -47,6 +58,16 @@ class MotionService final : public v1::Motion::CallbackService {
         });
   }
 
+  grpc::ServerUnaryReactor* AcceptPosition(grpc::CallbackServerContext*,
+                                           const v1::AcceptPositionRequest* request,
+                                           v1::AcceptPositionResponse*) override {
+    auto axes = axes_from(request->axes());
+    if (!axes) return answer(invalid_argument("An axis to accept is not named; axes are X … C."));
+    return on_executor(host_, [axes = std::move(*axes)](Machine& machine) {
+      return machine.accept_position(axes);
+    });
+  }
+
   grpc::ServerUnaryReactor* SimulateEstop(grpc::CallbackServerContext*,
                                           const v1::SimulateEstopRequest* request,
                                           v1::SimulateEstopResponse*) override {
@@ -66,14 +87,13 @@ class HomingService final : public v1::Homing::CallbackService {
 
   grpc::ServerUnaryReactor* Home(grpc::CallbackServerContext*, const v1::HomeRequest* request,
                                  v1::HomeResponse*) override {
-    std::vector<Axis> axes;
-    for (const int number : request->axes()) {
-      const auto axis = axis_from(static_cast<v1::Axis>(number));
-      if (!axis) return answer(invalid_argument("An axis to home is not named; axes are X … C."));
-      axes.push_back(*axis);
-    }
+    auto axes = axes_from(request->axes());
+    if (!axes) return answer(invalid_argument("An axis to home is not named; axes are X … C."));
     return when_completed(
-        host_, [axes](Machine& machine, Completion done) { machine.home(axes, std::move(done)); },
+        host_,
+        [axes = std::move(*axes)](Machine& machine, Completion done) {
+          machine.home(axes, std::move(done));
+        },
         OnCancel::stop_machine);
   }
 

@@ -22,6 +22,7 @@ std::unique_ptr<hal::sim::VirtualController> connected_controller(
 Simulation::Simulation(MachineData data, const SimulationOptions& options)
     : period_(options.period),
       controller_(connected_controller(data.config, options)),
+      virtual_controller_(*controller_),
       virtual_machine_(controller_->machine()),
       link_(std::move(controller_)),
       machine_(std::move(data), link_, log_) {}
@@ -30,6 +31,10 @@ void Simulation::cycle() {
   link_.cycle(now_);
   machine_.cycle(now_);
   now_ += period_;
+}
+
+void Simulation::starve_machine(double seconds) {
+  for (const double end = now_ + seconds; now_ < end; now_ += period_) link_.cycle(now_);
 }
 
 bool Simulation::cycle_until(State state) {

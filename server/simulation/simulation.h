@@ -25,12 +25,16 @@ class Simulation {
   [[nodiscard]] Machine& machine() { return machine_; }
   [[nodiscard]] Link& link() { return link_; }
   [[nodiscard]] hal::sim::VirtualMachine& virtual_machine() { return virtual_machine_; }
+  /// For its cable and its power.
+  [[nodiscard]] hal::sim::VirtualController& virtual_controller() { return virtual_controller_; }
   [[nodiscard]] const MessageLog& log() const { return log_; }
   /// Of the next cycle, s.
   [[nodiscard]] double time() const { return now_; }
 
   /// The link's cycle, then the machine's.
   void cycle();
+  /// The link's cycles only, for so long: a computer that is too busy for the machine.
+  void starve_machine(double seconds);
   /// Cycles until `state` is reached; false when the machine stops in a fault before, or the board
   /// stays silent.
   bool cycle_until(State state);
@@ -39,6 +43,7 @@ class Simulation {
   const double period_;
   MessageLog log_;
   std::unique_ptr<hal::sim::VirtualController> controller_;  // until the link takes it
+  hal::sim::VirtualController& virtual_controller_;
   hal::sim::VirtualMachine& virtual_machine_;
   Link link_;
   Machine machine_;

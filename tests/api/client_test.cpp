@@ -205,6 +205,7 @@ TEST_CASE("Commands arrive with their arguments", "[api]") {
   REQUIRE(client.jog_step(Axis::Y, -2.5, 0.25));
   REQUIRE(client.jog_stop());
   REQUIRE(client.set_work_zero({{Axis::X, 0.0}, {Axis::C, 90.5}}));
+  REQUIRE(client.accept_position({Axis::Z}));
   REQUIRE(client.simulate_estop(true));
   REQUIRE(client.run());
   REQUIRE(client.pause());
@@ -221,6 +222,7 @@ TEST_CASE("Commands arrive with their arguments", "[api]") {
                                           "Step AXIS_Y -2.5 0.25",
                                           "JogStop",
                                           "SetWorkZero AXIS_X=0 AXIS_C=90.5 ",
+                                          "AcceptPosition AXIS_Z ",
                                           "SimulateEstop pressed",
                                           "Run",
                                           "Pause",
@@ -253,6 +255,8 @@ TEST_CASE("A status comes across with every field", "[api][ARC-1]") {
     m.status.mutable_machine_position()->set_x(1.25);
     m.status.mutable_work_position()->set_c(-90.0);
     m.status.add_homed(v1::AXIS_Z);
+    m.status.mutable_trust()->set_z(v1::POSITION_TRUST_TRUSTED);
+    m.status.mutable_trust()->set_y(v1::POSITION_TRUST_DOUBTFUL);
     m.status.set_feed(12.5);
     m.status.set_spindle(v1::SPINDLE_DIRECTION_COUNTERCLOCKWISE);
     m.status.set_work_system(9);
@@ -273,6 +277,9 @@ TEST_CASE("A status comes across with every field", "[api][ARC-1]") {
   CHECK(status->work_position[Axis::C] == -90.0);
   CHECK(status->homed[Axis::Z]);
   CHECK_FALSE(status->homed[Axis::X]);
+  CHECK(status->trust[Axis::Z] == api::PositionTrust::trusted);
+  CHECK(status->trust[Axis::Y] == api::PositionTrust::doubtful);
+  CHECK(status->trust[Axis::X] == api::PositionTrust::unknown);  // nothing was said of it
   CHECK(status->feed == 12.5);
   CHECK(status->spindle == api::SpindleDirection::counterclockwise);
   CHECK(status->work_system == 9);

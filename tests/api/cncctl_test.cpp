@@ -98,6 +98,8 @@ TEST_CASE("Commands of cncctl arrive at the server", "[api][cncctl]") {
       {{"jog", "y", "-.5", "--rate", "10"}, "Step AXIS_Y -0.5 0.1"},
       {{"mdi", "G0 X1", "G0 X-2"}, "Execute G0 X-2"},
       {{"override", "--feed", "150"}, "SetOverrides feed=1.5 "},
+      {{"accept"}, "AcceptPosition"},
+      {{"accept", "z", "X"}, "AcceptPosition AXIS_Z AXIS_X "},
       {{"zero", "X", "Z=-2.5"}, "SetWorkZero AXIS_X=0 AXIS_Z=-2.5 "},
       {{"estop", "press"}, "SimulateEstop pressed"},
       {{"estop", "release"}, "SimulateEstop released"},

@@ -52,6 +52,12 @@ struct MotionService final : v1::Motion::Service {
     }
     return note_call(machine, "SetWorkZero", coordinates);
   }
+  Status AcceptPosition(ServerContext*, const v1::AcceptPositionRequest* request,
+                        v1::AcceptPositionResponse*) override {
+    std::string axes;
+    for (const int axis : request->axes()) axes += v1::Axis_Name(static_cast<v1::Axis>(axis)) + ' ';
+    return note_call(machine, "AcceptPosition", axes);
+  }
   Status SimulateEstop(ServerContext*, const v1::SimulateEstopRequest* request,
                        v1::SimulateEstopResponse*) override {
     return note_call(machine, "SimulateEstop", request->pressed() ? "pressed" : "released");

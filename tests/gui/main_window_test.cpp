@@ -130,11 +130,15 @@ TEST_CASE("Positions, homed marks and the zero keys belong to the visible axes",
   auto status = ready();
   status.work_position[Axis::X] = -12.3456;
   status.machine_position[Axis::X] = 100.0;
-  status.homed[Axis::X] = true;
+  status.trust[Axis::X] = api::PositionTrust::trusted;
   screen.window.show_status(status);
   CHECK(child<ReadOut>(screen.window, "work_X").text().toStdString() == "−12.346");
   CHECK(child<QLabel>(screen.window, "machine_X").text().startsWith("100.000"));
   CHECK(child<QLabel>(screen.window, "machine_Z").text().simplified() == "not homed");
+  status.trust[Axis::X] = api::PositionTrust::doubtful;
+  screen.window.show_status(status);
+  CHECK(child<QLabel>(screen.window, "machine_X").text().simplified() == "100.000 doubtful");
+  CHECK(screen.button("home_X").text().toStdString() == "⌂?");
   CHECK(wait_until([&] { return screen.window.findChild<ReadOut*>("work_Y") == nullptr; }));
 
   screen.button("zero_Z").click();

@@ -53,7 +53,7 @@ class Rig {
   }
   [[nodiscard]] Position position() const { return shown()->machine_position; }
   [[nodiscard]] State state() const { return machine.state(); }
-  [[nodiscard]] bool homed(Axis axis) const { return shown()->homed[axis]; }
+  [[nodiscard]] bool homed(Axis axis) const { return shown()->trust[axis] == Trust::trusted; }
   /// The newest message that is an error.
   [[nodiscard]] Error last_error() const;
 };

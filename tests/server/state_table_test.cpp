@@ -22,27 +22,27 @@ namespace {
 
 struct Row {
   State state;
-  // reset home jog mdi load run pause resume stop rewind override zero answer
+  // reset home jog mdi load run pause resume stop rewind override zero answer accept
   std::string_view allowed;
 };
 
 constexpr std::array<Row, kStateCount> kExpected{{
-    {State::off, "....l....wO.."},
-    {State::needs_reset, "R...l....wO.."},
-    {State::needs_homing, "Rhj.l....wOz."},
-    {State::ready, "Rhjmlr...wOz."},
-    {State::jogging, "R.j.l...s.O.."},
-    {State::homing, "R...l...s.O.."},
-    {State::mdi, "R.....p.s.O.."},
-    {State::running, "R.....p.s.O.."},
-    {State::pausing, "R.......s.O.."},
-    {State::paused, "R......gs.O.."},
-    {State::program_stop, "R.j....gs.O.."},
-    {State::tool_change, "R.j....gs.O.."},
-    {State::question, "R.j.....s.O.A"},
-    {State::stopping, "R.........O.."},
-    {State::estop, "R...l....wO.."},
-    {State::error, "R...l....wO.."},
+    {State::off, "....l....wO..."},
+    {State::needs_reset, "R...l....wO..."},
+    {State::needs_homing, "Rhj.l....wOz.T"},
+    {State::ready, "Rhjmlr...wOz.T"},
+    {State::jogging, "R.j.l...s.O..."},
+    {State::homing, "R...l...s.O..."},
+    {State::mdi, "R.....p.s.O..."},
+    {State::running, "R.....p.s.O..."},
+    {State::pausing, "R.......s.O..."},
+    {State::paused, "R......gs.O..."},
+    {State::program_stop, "R.j....gs.O..."},
+    {State::tool_change, "R.j....gs.O..."},
+    {State::question, "R.j.....s.O.A."},
+    {State::stopping, "R.........O..."},
+    {State::estop, "R...l....wO..."},
+    {State::error, "R...l....wO..."},
 }};
 
 constexpr std::string_view kProgram = "G1 X50 F600\nM0\nM6 T1\ndlgmsg \"t\"\nG1 X0\n";
@@ -163,6 +163,12 @@ Result<void> give(Rig& rig, CommandKind command) {
       return machine.set_work_zero({{Axis::X, 0.0}});
     case CommandKind::answer:
       return machine.answer(1, true, {});
+    case CommandKind::accept_position: {
+      const Result<void> accepted = machine.accept_position({Axis::X});
+      // These machines were never homed: the state lets the command through, X does not.
+      const bool reached_x = !accepted && accepted.error().code == ErrorCode::never_homed;
+      return reached_x ? Result<void>{} : accepted;
+    }
   }
   return *answer;
 }

@@ -1,0 +1,142 @@
+// What the board does by itself: it comes and goes, stops in a fault, and its home switches may be
+// an emergency stop. What that ends, and what it leaves of the trust in the axes' positions.
+#include <algorithm>
+#include <fmt/format.h>
+#include <utility>
+
+#include "server/machine/machine.h"
+
+namespace cnc::server {
+namespace {
+
+struct FaultText {
+  hal::Fault fault;
+  ErrorCode code;
+  std::string_view text;
+};
+
+constexpr std::array kFaultTexts{
+    FaultText{hal::Fault::estop, ErrorCode::estop_pressed, "Emergency stop is pressed."},
+    FaultText{hal::Fault::fifo_underrun, ErrorCode::motion_fault,
+              "The board ran out of motion segments while moving (FIFO underrun)."},
+    FaultText{hal::Fault::bad_segment, ErrorCode::motion_fault,
+              "The board refused a motion segment."},
+    FaultText{hal::Fault::step_loss, ErrorCode::motion_fault,
+              "A drive raised its alarm: its motor has lost steps, or the drive is in a fault."},
+    FaultText{hal::Fault::link_lost, ErrorCode::link_lost,
+              "The board heard nothing from the server and stopped by itself."},
+    FaultText{hal::Fault::index_missing, ErrorCode::motion_fault,
+              "The spindle's index pulse did not come: the spindle must turn, and its sensor be "
+              "connected to the Sync input."},
+};
+
+}  // namespace
+
+void Machine::watch_board() {
+  const hal::ControllerStatus& board = feed_.board();
+  const bool is_new_session = board.sessions != session_;
+  if (state_ != State::off && (!board.connected || is_new_session)) lose_board();
+  if (!board.connected) return;
+  if (state_ == State::off) take_board();
+  watch_home_switches();
+  if (board.faults != 0 && state_ != State::estop && state_ != State::error) on_fault(board.faults);
+  // The board may still have been braking its last steps when the fault was seen.
+  if ((state_ == State::estop || state_ == State::error) && !board.moving)
+    feed_.accept_board_position();
+}
+
+/// Nothing goes on by itself after a loss: the operator resets and decides. Drives may still be on.
+void Machine::take_board() {
+  const hal::ControllerStatus& board = feed_.board();
+  const bool is_back = session_ != 0;
+  // A session that was over before it was seen may have been the first after a reset.
+  const bool counts_lost = board.counts_lost || (is_back && board.sessions - session_ > 1);
+  session_ = board.sessions;
+  feed_.join_session();
+  feed_.accept_board_position();
+  interpreter_.set_position(feed_.commanded());
+  home_switches_ = board.inputs.home;
+  if (is_back) log_.add(Severity::info, "The controller board is connected again.");
+  if (counts_lost) lose_trust(TrustEvent::counts_lost, AxisArray<bool>::filled(true));
+  enter(is_back && board.faults == 0 ? State::error : State::needs_reset);
+}
+
+/// What had been sent may have been executed while nothing was heard.
+void Machine::lose_board() {
+  lose_trust(TrustEvent::link_lost, feed_.axes_under_way());
+  io_.board_is_off();
+  feed_.accept_board_position();
+  const Error lost{ErrorCode::link_lost,
+                   "The connection to the controller board was lost. The server goes on trying to "
+                   "make it again.",
+                   std::nullopt};
+  end_everything(lost);
+  if (std::exchange(reset_wanted_, false)) settle(WaitFor::reset, std::unexpected(lost));
+  enter(State::off);
+  if (loss_listener_ && !shutting_down_) loss_listener_();
+}
+
+/// STA-4: behind homing, a home switch that becomes active is an emergency stop where that is
+/// wanted. Pulses stop at once; the machine may be jogged off the switch after a reset.
+void Machine::watch_home_switches() {
+  const AxisArray<bool> before = std::exchange(home_switches_, feed_.board().inputs.home);
+  if (!job_.home_is_estop() || homing_.active()) return;
+  for (const Axis axis : kAllAxes) {
+    if (!home_switches_[axis] || before[axis] || trust_[axis] != Trust::trusted) continue;
+    stop_at_once({ErrorCode::home_switch_active,
+                  fmt::format("The home switch of {} became active.", axis_name(axis)),
+                  std::nullopt});
+    return;
+  }
+}
+
+void Machine::on_fault(hal::Faults faults) {
+  const auto row = std::ranges::find_if(kFaultTexts, [&](const FaultText& text) {
+    return (faults & static_cast<hal::Faults>(text.fault)) != 0;
+  });
+  const bool known = row != kFaultTexts.end();
+  lose_trust(TrustEvent::stopped_on_the_spot, feed_.axes_in_motion());
+  if ((faults & static_cast<hal::Faults>(hal::Fault::step_loss)) != 0)
+    lose_trust(TrustEvent::steps_lost, feed_.board().inputs.drive_alarm);
+  io_.board_is_off();
+  feed_.accept_board_position();
+  end_everything({known ? row->code : ErrorCode::motion_fault,
+                  known ? std::string(row->text)
+                        : fmt::format("The board reports a fault that is not known ({}).", faults),
+                  std::nullopt});
+}
+
+void Machine::stop_at_once(Error error) {
+  quick_stop();
+  io_.all_off();
+  end_everything(std::move(error));
+}
+
+/// It reaches the board a little later than what is known of it now.
+void Machine::quick_stop() {
+  lose_trust(TrustEvent::stopped_on_the_spot, feed_.axes_under_way());
+  feed_.quick_stop();
+}
+
+/// Whatever was going on is over, without a ramp.
+void Machine::end_everything(Error error) {
+  log_.add(error);
+  jog_.drop();
+  homing_.drop();
+  const bool had_job = job_.active();
+  job_.abandon();
+  enter(error.code == ErrorCode::estop_pressed ? State::estop : State::error);
+  const auto interrupted = fail(ErrorCode::command_interrupted, error.message);
+  if (had_job && !single_line_) ended_well_ = false;
+  for (const WaitFor what : {WaitFor::home, WaitFor::mdi, WaitFor::pause})
+    settle(what, interrupted);
+  if (!reset_wanted_) settle(WaitFor::reset, interrupted);  // user_reset
+  settle(WaitFor::rest, {});
+}
+
+void Machine::lose_trust(TrustEvent event, const AxisArray<bool>& axes) {
+  if (trust_.take(event, axes) == AxisArray<bool>{}) return;
+  log_.add(Severity::warning, fmt::format("{} {}", sentence_of(event), trust_.advice()));
+}
+
+}  // namespace cnc::server
