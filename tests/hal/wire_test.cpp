@@ -237,6 +237,30 @@ TEST_CASE("A status comes out of its bytes as it went in", "[hal][LNK-9]") {
   }
 }
 
+TEST_CASE("A setup comes out of its bytes as it went in", "[hal][LNK-9]") {
+  std::mt19937 random(5);
+  firmware::Setup written{.max_velocity = any<std::int64_t>(random),
+                          .host_timeout = any<std::int64_t>(random),
+                          .index_timeout = any<std::int64_t>(random),
+                          .drives_off_on_fault = false};
+  for (auto& limit : written.max_acceleration) limit = any<std::int64_t>(random);
+  written.pulse_width = 25;
+  written.direction_setup = 50;
+  written.direction_hold = 75;
+  written.step_inverted = 0b1;
+  written.direction_inverted = 0b100;
+  const Bytes bytes = body_of([&](ByteWriter& body) { put_setup(body, written); });
+  firmware::Setup setup;
+  ByteReader body(bytes);
+  REQUIRE(get_setup(body, setup));
+  CHECK(body_of([&](ByteWriter& again) { put_setup(again, setup); }) == bytes);
+  CHECK(setup.max_acceleration == written.max_acceleration);
+  CHECK(setup.pulse_width == 25);
+  CHECK(setup.direction_inverted == 0b100);
+  ByteReader shorter(std::span(bytes).first(bytes.size() - 1));
+  CHECK_FALSE(get_setup(shorter, setup));
+}
+
 TEST_CASE("A velocity that no board can make stays one", "[hal][LNK-9]") {
   firmware::HostFrame frame;
   frame.segment_count = 1;

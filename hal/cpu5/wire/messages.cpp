@@ -154,6 +154,11 @@ void put_setup(ByteWriter& body, const Setup& setup) {
   body.put(setup.index_timeout);
   body.put(setup.drives_off_on_fault);
   put_all(body, setup.max_acceleration);
+  body.put(setup.pulse_width);
+  body.put(setup.direction_setup);
+  body.put(setup.direction_hold);
+  body.put(setup.step_inverted);
+  body.put(setup.direction_inverted);
 }
 
 bool get_setup(ByteReader& body, Setup& setup) {
@@ -162,6 +167,11 @@ bool get_setup(ByteReader& body, Setup& setup) {
   setup.index_timeout = body.get<firmware::Ticks>();
   setup.drives_off_on_fault = body.get_bool();
   get_all(body, setup.max_acceleration);
+  setup.pulse_width = body.get<std::uint16_t>();
+  setup.direction_setup = body.get<std::uint16_t>();
+  setup.direction_hold = body.get<std::uint16_t>();
+  setup.step_inverted = body.get<std::uint8_t>();
+  setup.direction_inverted = body.get<std::uint8_t>();
   return complete(body);
 }
 
