@@ -166,6 +166,7 @@ TEST_CASE("A board that does not answer is an error that says so", "[hal][LNK-1]
   double now = 0.0;
   for (int i = 0; i < 300 && !controller->exchange(now).connected; ++i) now += 0.001;
   CHECK(controller->exchange(now).connected);
+  CHECK(controller->free_segments() == cpu5::firmware::kFifoCapacity);
 }
 
 }  // namespace cnc::hal::sim

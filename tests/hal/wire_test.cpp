@@ -257,7 +257,7 @@ TEST_CASE("A setup comes out of its bytes as it went in", "[hal][LNK-9]") {
   CHECK(setup.max_acceleration == written.max_acceleration);
   CHECK(setup.pulse_width == 25);
   CHECK(setup.direction_inverted == 0b100);
-  ByteReader shorter(std::span(bytes).first(bytes.size() - 1));
+  ByteReader shorter(std::span<const std::uint8_t>(bytes).first(bytes.size() - 1));
   CHECK_FALSE(get_setup(shorter, setup));
 }
 

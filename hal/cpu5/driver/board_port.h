@@ -25,7 +25,8 @@ struct BoardAnswer {
   std::uint64_t frames_done =
       0;  ///< frames that `status` knows of, or that were lost with the link
   firmware::Status status{};
-  double round_trip = 0.0;  ///< s, of the last answer
+  wire::Identity identity{};  ///< of the board that it was last connected to
+  double round_trip = 0.0;    ///< s, of the last answer
   PacketCounts packets{};
 };
 

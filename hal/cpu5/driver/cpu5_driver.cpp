@@ -66,7 +66,6 @@ Result<Capabilities> Cpu5Driver::connect() {
                 fmt::format("The board makes {} steps/s at most; {} are set up.",
                             board->max_step_frequency, settings_.max_step_frequency));
   }
-  fifo_capacity_ = board->fifo_capacity;
   take(port_->exchange());
   return Capabilities{.fifo_capacity = fifo_capacity_,
                       .max_step_frequency = settings_.max_step_frequency,
@@ -160,6 +159,7 @@ void Cpu5Driver::take(const BoardAnswer& answer) {
 /// worth.
 void Cpu5Driver::begin_session(const BoardAnswer& answer) {
   greetings_ = answer.greetings;
+  fifo_capacity_ = answer.identity.fifo_capacity;
   empty_outbox();
   clock_.reset();
   status_.sessions = greetings_;

@@ -57,12 +57,17 @@ WirePort::WirePort(std::unique_ptr<PacketChannel> channel, const WireSettings& s
 
 // --- greeting ------------------------------------------------------------------------------------
 
-Result<wire::Identity> WirePort::open(const firmware::Setup& setup) {
+Result<void> WirePort::begin(const firmware::Setup& setup) {
   if (state_ == State::running) close();
   setup_ = setup;
-  if (auto opened = channel_->open(); !opened) return std::unexpected(opened.error());
+  if (auto opened = channel_->open(); !opened) return opened;
   state_ = State::greeting;
   refusal_.reset();
+  return {};
+}
+
+Result<wire::Identity> WirePort::open(const firmware::Setup& setup) {
+  if (auto begun = begin(setup); !begun) return std::unexpected(begun.error());
   const auto until = std::chrono::steady_clock::now() + kOpenPatience;
   auto next_greeting = std::chrono::steady_clock::time_point{};
   while (std::chrono::steady_clock::now() < until) {
@@ -72,7 +77,7 @@ Result<wire::Identity> WirePort::open(const firmware::Setup& setup) {
                       std::chrono::milliseconds(std::lround(1e3 * kGreetingInterval));
     }
     receive_all();
-    if (answer_.connected) return identity_;
+    if (answer_.connected) return answer_.identity;
     if (refusal_ && refusal_->reason != RefusalReason::busy) break;
     std::this_thread::sleep_for(kOpenPause);
   }
@@ -129,7 +134,7 @@ void WirePort::take_welcome(ByteReader& body) {
   const bool usable = state_ == State::greeting && wire::get_identity(body, identity) &&
                       identity.axes == firmware::kAxisCount && identity.window > 0;
   if (!usable) return;
-  identity_ = identity;
+  answer_.identity = identity;
   window_ = std::min<std::uint32_t>(identity.window, kWindow);
   answer_.counts_lost = boot_known_ && identity.boot != boot_;
   boot_ = identity.boot;

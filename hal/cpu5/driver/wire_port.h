@@ -27,6 +27,8 @@ class WirePort : public BoardPort {
  public:
   WirePort(std::unique_ptr<PacketChannel> channel, const WireSettings& settings);
 
+  /// The first half of open(): exchange() will greet the board.
+  Result<void> begin(const firmware::Setup& setup);
   Result<wire::Identity> open(const firmware::Setup& setup) override;
   void close() override;
   [[nodiscard]] bool ready() const override;
@@ -78,7 +80,6 @@ class WirePort : public BoardPort {
   std::uint32_t session_ = 0;
   std::uint32_t boot_ = 0;
   bool boot_known_ = false;
-  wire::Identity identity_;
   std::optional<wire::Refusal> refusal_;  // the last answer to a greeting
 
   std::array<Sent, kWindow> frames_;  // by number
