@@ -101,11 +101,15 @@ Error WirePort::no_answer() const {
                       refusal_->lowest_version, refusal_->highest_version, wire::kVersion));
     case RefusalReason::busy:
       return error(ErrorCode::board_busy, "is moving, or has another host that is not silent.");
-    default:
+    case RefusalReason::bad_setup:
       return error(
           ErrorCode::board_setup_refused,
           "refused its setup: the maximum step frequency, a time-out or an acceleration is "
           "out of range.");
+    default:
+      return error(ErrorCode::board_version,
+                   "does not understand the greeting: its firmware and this program are of "
+                   "different versions.");
   }
 }
 
