@@ -2,20 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
+#include <random>
 
 namespace cnc::hal::sim {
 
 using cpu5::firmware::Ticks;
 
 VirtualBoard::VirtualBoard(const config::MachineConfig& config, const Scenario& scenario)
-    : machine_(config, scenario.machine), player_(scenario.events), trouble_(scenario.link) {
+    : machine_(config, scenario.machine),
+      player_(scenario.events),
+      trouble_(scenario.link),
+      boot_(std::random_device{}()) {
   start();
 }
 
 void VirtualBoard::start() {
   core_.emplace(machine_);
-  link_.emplace(
-      *core_, cpu5::firmware::BoardName{.serial = 1, .boot = ++boots_, .name = {"virtual board"}});
+  link_.emplace(*core_,
+                cpu5::firmware::BoardName{.serial = 1, .boot = ++boot_, .name = {"virtual board"}});
 }
 
 void VirtualBoard::reset() {

@@ -41,7 +41,7 @@ class VirtualBoard {
   LinkTrouble trouble_;
   std::optional<cpu5::firmware::Core> core_;
   std::optional<cpu5::firmware::BoardLink> link_;
-  std::uint32_t boots_ = 0;
+  std::uint32_t boot_;  // random at power-up: a board in its place is another
   std::optional<double> power_up_;
   double now_ = 0.0;
   cpu5::firmware::Ticks time_ = 0;  // since power-up of the machine

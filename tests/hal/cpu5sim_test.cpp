@@ -163,6 +163,20 @@ TEST_CASE("A board that died is missed", "[hal][LNK-4][LNK-9]") {
   REQUIRE(host.becomes([](const ControllerStatus& status) { return !status.connected; }));
 }
 
+TEST_CASE("A board in the place of one that died is found, and its counts are its own",
+          "[hal][LNK-4][LNK-9]") {
+  auto simulator = std::make_unique<Simulator>();
+  Host host(Simulator::serial());
+  REQUIRE(host.driver->connect());
+  REQUIRE(host.cycle().connected);
+  simulator.reset();
+  REQUIRE(host.becomes([](const ControllerStatus& status) { return !status.connected; }));
+  simulator = std::make_unique<Simulator>();
+  REQUIRE(host.becomes([](const ControllerStatus& status) { return status.connected; }));
+  CHECK(host.cycle().sessions == 2);
+  CHECK(host.cycle().counts_lost);
+}
+
 TEST_CASE("An address that is none says what one looks like", "[hal][LNK-1]") {
   for (const char* wrong : {"", "com3", "udp:host:0", "udp:host:99999", "udp:host:x"}) {
     CAPTURE(wrong);

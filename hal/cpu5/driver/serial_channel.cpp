@@ -1,5 +1,6 @@
 #include "hal/cpu5/driver/serial_channel.h"
 
+#include <cerrno>
 #include <fcntl.h>
 #include <fmt/core.h>
 #include <unistd.h>
@@ -45,9 +46,10 @@ void SerialChannel::close() {
   port_.close(ignored);
 }
 
-/// While the line has not taken the whole packet before, this one is lost.
+/// A line that was pulled out is tried again with each packet. While it has not taken the whole
+/// packet before, this one is lost.
 void SerialChannel::send(std::span<const std::uint8_t> packet) {
-  if (!port_.is_open()) return;
+  if (!port_.is_open() && !open()) return;
   write_rest();
   if (write_place_ < write_size_) return;
   write_size_ = wire::write_cobs(packet, written_);
@@ -56,26 +58,34 @@ void SerialChannel::send(std::span<const std::uint8_t> packet) {
 }
 
 void SerialChannel::write_rest() {
-  while (write_place_ < write_size_) {
+  while (port_.is_open() && write_place_ < write_size_) {
     const auto taken =
         ::write(port_.native_handle(), written_.data() + write_place_, write_size_ - write_place_);
-    if (taken <= 0) return;
+    if (taken <= 0) return close_if_gone(taken);
     write_place_ += static_cast<std::size_t>(taken);
   }
 }
 
+/// `result` of a read or write, not more than 0.
+void SerialChannel::close_if_gone(::ssize_t result) {
+  if (result < 0 && errno != EAGAIN && errno != EINTR) close();
+}
+
 std::span<const std::uint8_t> SerialChannel::receive() {
-  if (!port_.is_open()) return {};
   write_rest();
-  for (;;) {
+  while (port_.is_open()) {
     while (read_place_ < read_size_) {
       if (reader_.take(read_[read_place_++])) return reader_.packet();
     }
     const auto size = ::read(port_.native_handle(), read_.data(), read_.size());
-    if (size <= 0) return {};
+    if (size <= 0) {
+      close_if_gone(size);
+      return {};
+    }
     read_place_ = 0;
     read_size_ = static_cast<std::size_t>(size);
   }
+  return {};
 }
 
 }  // namespace cnc::hal::cpu5

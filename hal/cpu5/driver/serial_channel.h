@@ -4,6 +4,7 @@
 #include <array>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/serial_port.hpp>
+#include <sys/types.h>
 
 #include "hal/cpu5/driver/packet_channel.h"
 #include "hal/cpu5/wire/cobs.h"
@@ -24,6 +25,7 @@ class SerialChannel final : public PacketChannel {
 
  private:
   void write_rest();
+  void close_if_gone(::ssize_t result);
 
   std::string device_;
   unsigned rate_;
