@@ -23,7 +23,6 @@ class TroubledLine {
   [[nodiscard]] std::optional<double> next_arrival() const;
   /// Takes a packet that has arrived by `now`, valid until the next call; empty: none.
   std::span<const std::uint8_t> take(double now);
-  void clear() { count_ = 0; }
 
  private:
   static constexpr std::size_t kCapacity = 128;

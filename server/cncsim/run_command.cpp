@@ -107,17 +107,6 @@ void print_text(const config::MachineConfig& config, const Report& report) {
   }
 }
 
-/// Without a file: at machine zero, with something to probe on the table.
-Result<hal::sim::Scenario> scenario_of(const RunOptions& options,
-                                       const config::MachineConfig& config) {
-  if (!options.scenario.empty()) {
-    auto scenario = hal::sim::load_scenario(options.scenario);
-    if (scenario && !scenario->machine.start) scenario->machine.start = Position{};
-    return scenario;
-  }
-  return hal::sim::Scenario{.machine = {.start = Position{}, .touch = virtual_bench(config)}};
-}
-
 }  // namespace
 
 ExitCode run_command(const RunOptions& options) {
@@ -137,8 +126,9 @@ ExitCode run_command(const RunOptions& options) {
     recorder.emplace(std::move(*created));
   }
 
-  auto scenario = scenario_of(options, data->config);
+  auto scenario = scenario_of(options.scenario, data->config);
   if (!scenario) return refuse(scenario.error());
+  if (!scenario->machine.start) scenario->machine.start = Position{};
   Simulation simulation(std::move(*data), {.machine = std::move(scenario->machine),
                                            .link = scenario->link,
                                            .events = std::move(scenario->events),

@@ -97,17 +97,13 @@ struct Board {
 Result<Board> make_virtual_board(const std::filesystem::path& scenario_file,
                                  const config::MachineConfig& config,
                                  const hal::cpu5::DriverSettings& driver) {
-  hal::sim::Scenario scenario{.machine = {.touch = virtual_bench(config)}};
-  if (!scenario_file.empty()) {
-    auto loaded = hal::sim::load_scenario(scenario_file);
-    if (!loaded) return std::unexpected(loaded.error());
-    scenario = std::move(*loaded);
-  }
+  auto scenario = scenario_of(scenario_file, config);
+  if (!scenario) return std::unexpected(scenario.error());
   auto controller =
-      hal::sim::make_virtual_controller(config, {.machine = std::move(scenario.machine),
+      hal::sim::make_virtual_controller(config, {.machine = std::move(scenario->machine),
                                                  .driver = driver,
-                                                 .link = scenario.link,
-                                                 .events = std::move(scenario.events)});
+                                                 .link = scenario->link,
+                                                 .events = std::move(scenario->events)});
   auto& machine = controller->machine();
   return Board{std::move(controller), "virtual CPU5 board",
                [&machine](bool pressed) { machine.press_estop(pressed); }};

@@ -30,6 +30,7 @@ void Link::cycle(double now) {
   status.board = controller_->exchange(now);
   // A board in fault takes nothing; what was meant for it would be wrong after the fault is
   // cleared. Nor does one that is not there.
+  if (status.board.sessions != session_) settling_frame_ = 0;
   session_ = status.board.sessions;
   const bool settled = status.board.frames_done >= settling_frame_;
   if (!status.board.connected || (settled && status.board.faults != 0)) drop_queue();

@@ -97,7 +97,7 @@ void Machine::on_fault(hal::Faults faults) {
   const bool known = row != kFaultTexts.end();
   lose_trust(TrustEvent::stopped_on_the_spot, feed_.axes_in_motion());
   if ((faults & static_cast<hal::Faults>(hal::Fault::step_loss)) != 0)
-    lose_trust(TrustEvent::steps_lost, feed_.board().inputs.drive_alarm);
+    lose_trust(TrustEvent::steps_lost, feed_.axes_of(feed_.board().inputs.drive_alarm));
   io_.board_is_off();
   feed_.accept_board_position();
   end_everything({known ? row->code : ErrorCode::motion_fault,

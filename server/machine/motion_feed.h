@@ -79,6 +79,8 @@ class MotionFeed {
   /// Those, and all that would still move in what was sent: where the board may be by now when it
   /// is not heard any more.
   [[nodiscard]] AxisArray<bool> axes_under_way() const;
+  /// The axes that these motors drive, slaves their masters'.
+  [[nodiscard]] AxisArray<bool> axes_of(const AxisArray<bool>& motors) const;
   /// Id of the last segment emitted that is not void, and whether the board has finished the
   /// segment `id`.
   [[nodiscard]] std::uint32_t last_id() const { return last_id_; }
@@ -149,7 +151,6 @@ class MotionFeed {
 
   [[nodiscard]] const Sent& sent(std::uint32_t id) const { return history_[id % kHistory]; }
   [[nodiscard]] double executed_time() const;
-  [[nodiscard]] AxisArray<bool> axes_of(const AxisArray<bool>& motors) const;
   void add_moves_up_to(std::uint32_t id, AxisArray<bool>& motors) const;
   void revoke_cut();
   void go_on_behind(std::uint32_t id);

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "config/machine_config.h"
-#include "hal/sim/touch_surface.h"
+#include "hal/sim/scenario.h"
 
 namespace cnc::server {
 
@@ -34,6 +34,13 @@ namespace cnc::server {
                                            .half_width = 10.0,
                                            .top = part_of(Axis::Z, 0.3)};
   return touch;
+}
+
+/// The scenario of a file; without one a sound machine with that on its table.
+[[nodiscard]] inline Result<hal::sim::Scenario> scenario_of(const std::filesystem::path& file,
+                                                            const config::MachineConfig& config) {
+  if (!file.empty()) return hal::sim::load_scenario(file);
+  return hal::sim::Scenario{.machine = {.touch = virtual_bench(config)}};
 }
 
 }  // namespace cnc::server

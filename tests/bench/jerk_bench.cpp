@@ -17,7 +17,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <fmt/core.h>
-#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -26,6 +25,7 @@
 #include "motion/cell_motion.h"
 #include "motion/jerk_profile.h"
 #include "motion/smoother.h"
+#include "tests/bench/bench_options.h"
 #include "tests/bench/path_program.h"
 
 namespace {
@@ -33,11 +33,7 @@ namespace {
 using namespace cnc;
 using namespace cnc::motion;
 
-struct Options {
-  std::map<std::string, double, std::less<>> values{
-      {"v", 100.0}, {"a", 500.0}, {"j", 20'000.0}, {"feed", 100.0}, {"p", 0.02}, {"longest", 6e4}};
-  double operator[](std::string_view name) const { return values.find(name)->second; }
-};
+using bench::Options;
 
 /// A motion from standstill to standstill.
 class Reference {
@@ -256,19 +252,10 @@ void measure(const std::string& file, const Options& options) {
 }  // namespace
 
 int main(int count, char** values) {
-  Options options;
-  std::vector<std::string> files;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = values[i];
-    const std::size_t equals = argument.find('=');
-    const auto option = options.values.find(argument.substr(0, equals));
-    if (equals != std::string_view::npos && option != options.values.end()) {
-      option->second = std::atof(values[i] + equals + 1);
-    } else {
-      files.emplace_back(argument);
-    }
-  }
-  if (files.empty()) {
+  const Options options(
+      {{"v", 100.0}, {"a", 500.0}, {"j", 20'000.0}, {"feed", 100.0}, {"p", 0.02}, {"longest", 6e4}},
+      count, values);
+  if (options.files().empty()) {
     fmt::print(
         "usage: jerk_bench [v=100] [a=500] [j=20000] [feed=100] [p=0.02] [longest=60000] "
         "FILE ...\n");
@@ -277,5 +264,5 @@ int main(int count, char** values) {
   fmt::print(
       "| program | without | with jerk | ratio | planned over reference | runs compared | "
       "longest call | computing |\n|---|---:|---:|---:|---:|---:|---:|---:|\n");
-  for (const std::string& file : files) measure(file, options);
+  for (const std::string& file : options.files()) measure(file, options);
 }

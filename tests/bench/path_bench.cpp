@@ -15,13 +15,13 @@
 #include <cstdlib>
 #include <ctime>
 #include <fmt/core.h>
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "motion/planner.h"
 #include "motion/smoother.h"
+#include "tests/bench/bench_options.h"
 #include "tests/bench/path_program.h"
 #include "tests/motion/path_judge.h"
 
@@ -29,12 +29,7 @@ namespace {
 
 using namespace cnc;
 
-struct Options {
-  std::map<std::string, double, std::less<>> values{{"v", 100.0},    {"a", 500.0},  {"j", 0.0},
-                                                    {"feed", 100.0}, {"p", 0.02},   {"q", 0.0},
-                                                    {"judge", 1.0},  {"times", 1.0}};
-  double operator[](std::string_view name) const { return values.find(name)->second; }
-};
+using bench::Options;
 
 bench::Driving driving_of(const Options& options) {
   return {options["feed"], options["p"], options["q"]};
@@ -160,17 +155,14 @@ void measure(const std::string& path, const Options& options) {
 }  // namespace
 
 int main(int count, char** values) {
-  Options options;
-  std::vector<std::string> files;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = values[i];
-    const std::size_t equals = argument.find('=');
-    const auto option = options.values.find(argument.substr(0, equals));
-    if (equals != std::string_view::npos && option != options.values.end()) {
-      option->second = std::atof(values[i] + equals + 1);
-    } else {
-      files.emplace_back(argument);
-    }
-  }
-  for (const std::string& file : files) measure(file, options);
+  const Options options({{"v", 100.0},
+                         {"a", 500.0},
+                         {"j", 0.0},
+                         {"feed", 100.0},
+                         {"p", 0.02},
+                         {"q", 0.0},
+                         {"judge", 1.0},
+                         {"times", 1.0}},
+                        count, values);
+  for (const std::string& file : options.files()) measure(file, options);
 }

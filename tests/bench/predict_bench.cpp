@@ -11,7 +11,6 @@
 #include <cstdlib>
 #include <ctime>
 #include <fmt/core.h>
-#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -19,21 +18,22 @@
 #include "config/ini_file.h"
 #include "server/daemon/shipped_files.h"
 #include "server/job/prediction.h"
+#include "tests/bench/bench_options.h"
 
 namespace {
 
 using namespace cnc;
 
-using Options = std::map<std::string, double, std::less<>>;
+using bench::Options;
 
 config::MachineConfig machine_of(const Options& options) {
   config::MachineConfig config =
       config::parse_machine_config(server::shipped_cnc_ini(), "cnc.ini", {}).value();
   for (const Axis axis : kLinearAxes) {
     config::AxisConfig& limits = config.axes[axis];
-    limits.velocity = options.at("v");
-    limits.acceleration = options.at("a");
-    limits.jerk = options.at("j");
+    limits.velocity = options["v"];
+    limits.acceleration = options["a"];
+    limits.jerk = options["j"];
     limits.positive_limit = 1e6;
     limits.negative_limit = -1e6;
   }
@@ -55,7 +55,7 @@ void measure(const std::string& path, const Options& options) {
   std::vector<double> wall;
   std::vector<double> processor;
   double time = 0.0;
-  for (double i = 0.0; i < options.at("times"); ++i) {
+  for (double i = 0.0; i < options["times"]; ++i) {
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t processor_begin = std::clock();
     const auto prediction = server::predict(input, {});
@@ -74,17 +74,6 @@ void measure(const std::string& path, const Options& options) {
 }  // namespace
 
 int main(int count, char** values) {
-  Options options{{"v", 100.0}, {"a", 500.0}, {"j", 0.0}, {"times", 5.0}};
-  std::vector<std::string> files;
-  for (int i = 1; i < count; ++i) {
-    const std::string_view argument = values[i];
-    const std::size_t equals = argument.find('=');
-    const auto option = options.find(argument.substr(0, equals));
-    if (equals != std::string_view::npos && option != options.end()) {
-      option->second = std::atof(values[i] + equals + 1);
-    } else {
-      files.emplace_back(argument);
-    }
-  }
-  for (const std::string& file : files) measure(file, options);
+  const Options options({{"v", 100.0}, {"a", 500.0}, {"j", 0.0}, {"times", 5.0}}, count, values);
+  for (const std::string& file : options.files()) measure(file, options);
 }

@@ -10,3 +10,4 @@ cnc_bench(replan_bench SOURCES "${CMAKE_CURRENT_LIST_DIR}/replan_bench.cpp" LINK
 
 # How fast the time of a job is predicted.
 cnc_bench(predict_bench SOURCES "${CMAKE_CURRENT_LIST_DIR}/predict_bench.cpp" LINKS cnc_server fmt::fmt)
+target_include_directories(predict_bench PRIVATE "${CMAKE_BINARY_DIR}/rooms/tests")

@@ -1,7 +1,6 @@
 // A job from the start of the server to its end, as an operator runs it and an observer sees it.
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <thread>
 
 #include "tests/end_to_end/test_server.h"
 
@@ -138,7 +137,9 @@ TEST_CASE("Emergency stop, refused reset, reset", "[STA-4][e2e]") {
   RunningServer server(folder);
   server.make_ready();
   // Motors that have only just stopped may still slip: the axes would have to be homed again.
-  std::this_thread::sleep_for(std::chrono::milliseconds(300));
+  const double stopped = server.watcher.newest().time;
+  REQUIRE(server.watcher.sees(
+      [&](const MachineStatus& status) { return status.time > stopped + 0.3; }));
   REQUIRE(server.client.simulate_estop(true));
   REQUIRE(server.watcher.sees(MachineState::estop));
   const auto refused = server.client.reset();

@@ -153,6 +153,17 @@ TEST_CASE("A second host is told that the board is taken", "[hal][LNK-9]") {
   CHECK(refused.error().code == ErrorCode::board_busy);
 }
 
+TEST_CASE("A host that goes leaves the board to the next at once", "[hal][LNK-9]") {
+  const Simulator simulator;
+  for (int i = 0; i < 3; ++i) {
+    Host host(simulator.udp());
+    const auto begin = Clock::now();
+    REQUIRE(host.driver->connect());
+    // A host that is only silent keeps the board for a second.
+    CHECK(Clock::now() - begin < std::chrono::milliseconds(900));
+  }
+}
+
 TEST_CASE("A board that died is missed", "[hal][LNK-4][LNK-9]") {
   const Simulator simulator;
   Host host(simulator.udp());

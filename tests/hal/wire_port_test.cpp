@@ -140,6 +140,25 @@ TEST_CASE("A cable that is out is noticed, and one that is back in is used again
   CHECK((back.faults & static_cast<Faults>(Fault::link_lost)) != 0);
 }
 
+TEST_CASE("What was asked for without a link does not count behind it", "[hal][LNK-9][LNK-4]") {
+  const auto controller = make_virtual_controller(small_machine(), at_zero());
+  Shuttle shuttle(*controller);
+  shuttle.cycle();
+  controller->trouble().cable_out = true;
+  for (int i = 0; i < 1000; ++i) shuttle.cycle();
+  REQUIRE_FALSE(shuttle.status().connected);
+  controller->clear_faults();
+  controller->arm_home_latch(Axis::X, LatchEdge::activate);
+  controller->arm_probe_latch();
+  controller->trouble().cable_out = false;
+  for (int i = 0; i < 200; ++i) shuttle.cycle();
+  REQUIRE(shuttle.status().connected);
+  CHECK(shuttle.status().faults == static_cast<Faults>(Fault::link_lost));
+  CHECK(controller->free_segments() == 0);
+  CHECK_FALSE(shuttle.status().home_latch[Axis::X].armed);
+  CHECK_FALSE(shuttle.status().probe_latch.armed);
+}
+
 TEST_CASE("A board that was reset is greeted again, and its counts are known to be lost",
           "[hal][LNK-9][LNK-4]") {
   const auto controller = make_virtual_controller(small_machine(), at_zero());

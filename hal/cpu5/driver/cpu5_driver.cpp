@@ -162,6 +162,8 @@ void Cpu5Driver::begin_session(const BoardAnswer& answer) {
   fifo_capacity_ = answer.identity.fifo_capacity;
   empty_outbox();
   clock_.reset();
+  latch_frame_ = {};
+  probe_frame_ = clear_frame_ = 0;
   status_.sessions = greetings_;
   status_.counts_lost = answer.counts_lost;
   if (!answer.counts_lost) return;

@@ -46,14 +46,12 @@ std::uint32_t session_after(std::uint32_t session) {
   return session;
 }
 
-constexpr bool is_newer(std::uint32_t a, std::uint32_t b) {
-  return a != b && a - b < (std::uint32_t{1} << 31);
-}
-
 }  // namespace
 
 WirePort::WirePort(std::unique_ptr<PacketChannel> channel, const WireSettings& settings)
     : channel_(std::move(channel)), settings_(settings), session_(random_session()) {}
+
+WirePort::~WirePort() { WirePort::close(); }
 
 // --- greeting ------------------------------------------------------------------------------------
 
@@ -235,7 +233,7 @@ void WirePort::send_what_is_due() {
                    kShortestWait, kLongestWait);
     if (now_ - frame.at > patience) send_again(frame);
   }
-  if (now_ - sent_at_ >= settings_.poll_interval && sent_at_ != now_) poll();
+  if (sent_at_ != now_) poll();
 }
 
 // --- answers -------------------------------------------------------------------------------------
@@ -287,7 +285,7 @@ void WirePort::take(std::span<const std::uint8_t> packet) {
 void WirePort::take_status(ByteReader& body) {
   wire::StatusNumbers numbers;
   const bool taken = state_ == State::running && wire::get_status(body, numbers, status_) &&
-                     is_newer(numbers.answer, newest_answer_) &&
+                     wire::is_newer(numbers.answer, newest_answer_) &&
                      numbers.executed - executed_ <= on_their_way();
   if (!taken) {
     ++answer_.packets.passed_over;

@@ -19,13 +19,16 @@
 namespace cnc::hal::cpu5 {
 
 struct WireSettings {
-  double silence = 0.25;       ///< s after which the board counts as lost
-  double poll_interval = 0.0;  ///< s, without frames to be sent; 0: in every exchange
+  double silence = 0.25;  ///< s after which the board counts as lost
 };
 
 class WirePort : public BoardPort {
  public:
   WirePort(std::unique_ptr<PacketChannel> channel, const WireSettings& settings);
+  WirePort(const WirePort&) = delete;
+  WirePort& operator=(const WirePort&) = delete;
+  /// Says goodbye: the board is free for the next host at once.
+  ~WirePort() override;
 
   /// The first half of open(): exchange() will greet the board.
   Result<void> begin(const firmware::Setup& setup);

@@ -13,11 +13,6 @@ namespace {
 /// A host that has been silent for so long may be replaced by another.
 constexpr Ticks kPatience = kTicksPerSecond;
 
-/// Numbers count round; `a` is newer if it is less than half the circle ahead.
-constexpr bool is_newer(std::uint32_t a, std::uint32_t b) {
-  return a != b && a - b < (std::uint32_t{1} << 31);
-}
-
 std::span<const std::uint8_t> refuse(std::span<std::uint8_t> memory, std::uint32_t session,
                                      RefusalReason why, std::uint32_t boot) {
   PacketWriter packet(memory, PacketType::refusal, session);
@@ -123,7 +118,7 @@ wire::Identity BoardLink::identity() const {
 
 /// What was sent before it and comes after it moves and switches nothing any more.
 void BoardLink::take_stop(std::uint32_t stops) {
-  if (!is_newer(stops, stops_)) return;
+  if (!wire::is_newer(stops, stops_)) return;
   stops_ = stops;
   core_.quick_stop();
 }

@@ -1,4 +1,4 @@
-// The board's side of the wire (hal/cpu5/wire/PROTOCOL.md): sessions, frames in their order, and an
+// The board's side of the wire (hal/cpu5/PROTOCOL.md): sessions, frames in their order, and an
 // answer to every packet that deserves one.
 //
 // A packet that is damaged, or not meant for this board, is passed over in silence: whoever sent it

@@ -33,11 +33,12 @@
 // A segment may wait for the spindle's index pulse and then counts its time from the very moment of
 // the pulse, although the core sees it up to a slice later: threads cut in several passes meet.
 // (What the axes, from a standstill, should have gone meanwhile they go at once: at 10^6 steps/s^2
-// 0.02 step.) A segment that follows
-// the spindle passes at the part that the measured speed is of the planned one, smoothed by
-// kFollowSmoothing and changed no faster than the axes' acceleration allows, up to kTopScale. Its
-// own speed, and that of what comes after it up to the next standstill, leaves that room below
-// Setup::max_velocity.
+// 0.02 step.)
+//
+// A segment that follows the spindle passes at the part that the measured speed is of the planned
+// one, smoothed by kFollowSmoothing and changed no faster than the axes' acceleration allows, up to
+// kTopScale. Its own speed, and that of what comes after it up to the next standstill, leaves that
+// room below Setup::max_velocity.
 //
 // A host that has not been heard for Setup::host_timeout is lost: the board stops along the path,
 // and then it is the fault kLinkLost. The FIFO has to hold what braking takes, or it runs dry

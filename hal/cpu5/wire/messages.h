@@ -40,6 +40,11 @@ struct Refusal {
   std::uint32_t boot = 0;
 };
 
+/// Numbers count round; `a` is newer if it is less than half the circle ahead.
+[[nodiscard]] constexpr bool is_newer(std::uint32_t a, std::uint32_t b) {
+  return a != b && a - b < (std::uint32_t{1} << 31);
+}
+
 /// In front of a frame's requests, and all that a poll has. More `stops` than the board knows of
 /// are a quick stop as soon as the packet arrives, whatever frames are missing.
 struct FrameNumbers {

@@ -227,7 +227,9 @@ int main(int argc, char** argv) {
   CLI::App app{
       "cpu5sim: a virtual CPU5 board with its machine, reachable by UDP and by a serial line, as a "
       "real one is. It ends with Ctrl-C."};
-  app.add_option("--config", options.config, "Configuration file of the machine behind the board")
+  app.add_option("--config", options.config,
+                 "Configuration file of the machine behind the board; without it no motor is "
+                 "connected")
       ->check(CLI::ExistingFile);
   app.add_option("--set", options.settings,
                  "Overrides a setting: SECTION.key=value; may be repeated");
