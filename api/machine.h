@@ -44,6 +44,15 @@ struct HistogramBin {
   std::uint64_t count = 0;
 };
 
+/// Between server and board. All but `resent` are exclusive.
+struct PacketCounts {
+  std::uint64_t sent = 0;
+  std::uint64_t resent = 0;       ///< of those sent: again, because no answer had come
+  std::uint64_t answered = 0;     ///< have come, and brought something new
+  std::uint64_t passed_over = 0;  ///< have come whole, of another session or behind a newer one
+  std::uint64_t corrupted = 0;    ///< have come damaged
+};
+
 struct LinkStatistics {
   bool real_time = false;   ///< SCHED_FIFO and locked memory were granted
   double cycle_time = 0.0;  ///< nominal, s
@@ -52,7 +61,18 @@ struct LinkStatistics {
   double max_work = 0.0;      ///< longest cycle, s
   std::vector<HistogramBin> lateness;
   std::vector<HistogramBin> work;
-  double lowest_fifo_time = 0.0;  ///< s of motion left in the board, lowest seen while moving
+  /// s of motion left in the board, lowest seen while moving with more to come; 1e9: never moved
+  double lowest_fifo_time = 0.0;
+  std::vector<HistogramBin> fifo_time;  ///< in each cycle while moving with more to come
+  double last_round_trip = 0.0;         ///< s from a request to its answer, the newest
+  double mean_round_trip = 0.0;
+  double max_round_trip = 0.0;
+  std::vector<HistogramBin> round_trip;  ///< of each cycle that brought an answer
+  PacketCounts packets;
+  bool connected = false;      ///< there is a link to the board now
+  std::uint32_t sessions = 0;  ///< links made since the server started; a reset does not clear it
+  std::string board_name;      ///< of the board that it is, or was last, connected to
+  std::uint64_t board_serial = 0;
 };
 
 }  // namespace cnc::api

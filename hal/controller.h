@@ -101,6 +101,23 @@ struct ProbeLatch {
 /// A stop along the path: from its beginning to release_stop().
 enum class PathStop : std::uint8_t { none, stopping, stopped };
 
+/// Who answers at the other end of the link.
+struct BoardIdentity {
+  std::array<char, 16> name{};  ///< ASCII, filled up with 0
+  std::uint64_t serial = 0;
+
+  friend bool operator==(const BoardIdentity&, const BoardIdentity&) = default;
+};
+
+/// Packets between host and board since the controller was made. All but `resent` are exclusive.
+struct PacketCounts {
+  std::uint64_t sent = 0;
+  std::uint64_t resent = 0;       ///< of those sent: again, because no answer had come
+  std::uint64_t answered = 0;     ///< have come, and brought something new
+  std::uint64_t passed_over = 0;  ///< have come whole, of another session or behind a newer one
+  std::uint64_t corrupted = 0;    ///< have come damaged
+};
+
 struct ControllerStatus {
   double time = 0.0;  ///< board time, s
   bool connected = false;
@@ -126,6 +143,9 @@ struct ControllerStatus {
   AxisArray<Latch> home_latch{};
   ProbeLatch probe_latch{};
   Outputs outputs{};
+  BoardIdentity board{};    ///< that it was last connected to
+  double round_trip = 0.0;  ///< s from a request to its answer, the newest that has come
+  PacketCounts packets{};
 };
 
 struct Capabilities {

@@ -46,6 +46,7 @@ std::unique_ptr<CLI::App> make_command_line(Task& task) {
   app->footer(kFooter);
   add_global_options(*app, task.options);
   add_info_commands(*app, task);
+  add_link_command(*app, task);
   add_machine_commands(*app, task);
   add_job_commands(*app, task);
   add_answer_command(*app, task);

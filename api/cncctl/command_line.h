@@ -14,6 +14,7 @@ namespace cnc::ctl {
 
 // Each adds its commands to the tree.
 void add_info_commands(CLI::App& app, Task& task);
+void add_link_command(CLI::App& app, Task& task);
 void add_machine_commands(CLI::App& app, Task& task);
 void add_job_commands(CLI::App& app, Task& task);
 void add_answer_command(CLI::App& app, Task& task);

@@ -1,4 +1,4 @@
-// Commands that only look: status, problems, messages, link, version.
+// Commands that only look: status, problems, messages, version.
 #include <cstdio>
 #include <fmt/format.h>
 #include <memory>
@@ -98,17 +98,6 @@ api::Result<ExitCode> follow_messages(const Context& context) {
   return ExitCode::interrupted;
 }
 
-api::Result<ExitCode> show_link(const Context& context, bool reset) {
-  const auto statistics = context.client.link_statistics(reset);
-  if (!statistics) return std::unexpected(statistics.error());
-  if (context.options.json) {
-    print_json(*statistics);
-  } else {
-    fmt::print("{}", format_link(*statistics));
-  }
-  return ExitCode::ok;
-}
-
 /// Shows both versions even if they do not fit together, for then they are what is wanted.
 api::Result<ExitCode> show_version(const Context& context) {
   if (!context.options.json) {
@@ -142,13 +131,6 @@ void add_info_commands(CLI::App& app, Task& task) {
   const auto follow = std::make_shared<bool>(false);
   messages.add_flag("--follow", *follow, "Until Ctrl-C, new ones as they come");
   messages.callback([&task, follow] { task.action = *follow ? follow_messages : show_messages; });
-
-  CLI::App& link = *app.add_subcommand("link", "Show how punctual the link to the board is");
-  const auto reset = std::make_shared<bool>(false);
-  link.add_flag("--reset", *reset, "Start counting anew afterwards");
-  link.callback([&task, reset] {
-    task.action = [reset](const Context& context) { return show_link(context, *reset); };
-  });
 
   app.add_subcommand("version", "Show the versions of cncctl and of the server")->callback([&task] {
     task.needs_server = false;

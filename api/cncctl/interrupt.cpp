@@ -48,4 +48,12 @@ void wait_for(const std::stop_token& interrupted) {
   never.wait(lock, interrupted, [] { return false; });
 }
 
+bool wait_for(const std::stop_token& interrupted, std::chrono::milliseconds time) {
+  std::mutex mutex;
+  std::unique_lock lock(mutex);
+  std::condition_variable_any never;
+  never.wait_for(lock, interrupted, time, [] { return false; });
+  return interrupted.stop_requested();
+}
+
 }  // namespace cnc::ctl

@@ -1,6 +1,7 @@
 // Ctrl-C as a stop token.
 #pragma once
 
+#include <chrono>
 #include <stop_token>
 #include <thread>
 
@@ -25,5 +26,7 @@ class Interrupt {
 
 /// Waits until Ctrl-C.
 void wait_for(const std::stop_token& interrupted);
+/// At most so long; true if it was Ctrl-C.
+[[nodiscard]] bool wait_for(const std::stop_token& interrupted, std::chrono::milliseconds time);
 
 }  // namespace cnc::ctl

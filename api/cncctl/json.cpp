@@ -146,10 +146,29 @@ json to_json(const api::ServerVersion& version) {
 }
 
 json to_json(const api::LinkStatistics& statistics) {
-  return {{"real_time", statistics.real_time},  {"cycle_time", statistics.cycle_time},
-          {"cycles", statistics.cycles},        {"max_lateness", statistics.max_lateness},
-          {"max_work", statistics.max_work},    {"lateness", histogram(statistics.lateness)},
-          {"work", histogram(statistics.work)}, {"lowest_fifo_time", statistics.lowest_fifo_time}};
+  return {{"real_time", statistics.real_time},
+          {"cycle_time", statistics.cycle_time},
+          {"cycles", statistics.cycles},
+          {"max_lateness", statistics.max_lateness},
+          {"max_work", statistics.max_work},
+          {"lateness", histogram(statistics.lateness)},
+          {"work", histogram(statistics.work)},
+          {"lowest_fifo_time", statistics.lowest_fifo_time},
+          {"fifo_time", histogram(statistics.fifo_time)},
+          {"last_round_trip", statistics.last_round_trip},
+          {"mean_round_trip", statistics.mean_round_trip},
+          {"max_round_trip", statistics.max_round_trip},
+          {"round_trip", histogram(statistics.round_trip)},
+          {"packets",
+           {{"sent", statistics.packets.sent},
+            {"resent", statistics.packets.resent},
+            {"answered", statistics.packets.answered},
+            {"passed_over", statistics.packets.passed_over},
+            {"corrupted", statistics.packets.corrupted}}},
+          {"connected", statistics.connected},
+          {"sessions", statistics.sessions},
+          {"board_name", statistics.board_name},
+          {"board_serial", statistics.board_serial}};
 }
 
 json to_json(const api::LoadedJob& job) {

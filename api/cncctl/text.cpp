@@ -39,17 +39,6 @@ std::string format_job(const api::JobStatus& job) {
   return text;
 }
 
-std::string histogram(std::string_view title, const std::vector<api::HistogramBin>& bins) {
-  std::string text = fmt::format("{}\n", title);
-  for (const api::HistogramBin& bin : bins) {
-    if (bin.count == 0) continue;
-    const std::string upper =
-        std::isinf(bin.upper) ? "more" : fmt::format("< {:.0f} us", 1e6 * bin.upper);
-    text += fmt::format("{:>12}{:>12}\n", upper, bin.count);
-  }
-  return text;
-}
-
 }  // namespace
 
 std::string format_duration(double seconds) {
@@ -101,18 +90,6 @@ std::string format_status_line(const api::MachineStatus& status,
 std::string format_overrides(const api::Overrides& overrides) {
   return fmt::format("feed {:.0f} %, rapid {:.0f} %, speed {:.0f} %", 100.0 * overrides.feed,
                      100.0 * overrides.rapid, 100.0 * overrides.speed);
-}
-
-std::string format_link(const api::LinkStatistics& statistics) {
-  std::string text = fmt::format("real time      {}\n", statistics.real_time ? "yes" : "no");
-  text += fmt::format("cycles         {} of {:.3f} ms\n", statistics.cycles,
-                      1e3 * statistics.cycle_time);
-  text += fmt::format("max lateness   {:.0f} us\n", 1e6 * statistics.max_lateness);
-  text += fmt::format("max work       {:.0f} us\n", 1e6 * statistics.max_work);
-  text += fmt::format("lowest fifo    {:.3f} s\n", statistics.lowest_fifo_time);
-  text += histogram("lateness of cycles", statistics.lateness);
-  text += histogram("work of cycles", statistics.work);
-  return text;
 }
 
 std::string format_problem(const api::Problem& problem) {

@@ -205,7 +205,21 @@ LinkStatistics from_wire(const v1::GetLinkStatisticsResponse& wire) {
           .max_work = wire.max_work(),
           .lateness = histogram(wire.lateness()),
           .work = histogram(wire.work()),
-          .lowest_fifo_time = wire.lowest_fifo_time()};
+          .lowest_fifo_time = wire.lowest_fifo_time(),
+          .fifo_time = histogram(wire.fifo_time()),
+          .last_round_trip = wire.last_round_trip(),
+          .mean_round_trip = wire.mean_round_trip(),
+          .max_round_trip = wire.max_round_trip(),
+          .round_trip = histogram(wire.round_trip()),
+          .packets = {.sent = wire.packets().sent(),
+                      .resent = wire.packets().resent(),
+                      .answered = wire.packets().answered(),
+                      .passed_over = wire.packets().passed_over(),
+                      .corrupted = wire.packets().corrupted()},
+          .connected = wire.connected(),
+          .sessions = wire.sessions(),
+          .board_name = wire.board_name(),
+          .board_serial = wire.board_serial()};
 }
 
 ProblemList from_wire(const v1::GetProblemsResponse& wire) {

@@ -1,7 +1,7 @@
-// A histogram of times that a real-time thread can fill and any thread can read.
+// A histogram that a real-time thread can fill and any thread can read.
 //
-// Bins double from 1 µs to 1 s; recording is one relaxed increment, so the reader may see a cycle
-// half counted between two bins, which no statistic minds.
+// Recording is a few relaxed operations, so the reader may see a value half counted, between two
+// bins or between bin and sum, which no statistic minds. One thread records.
 #pragma once
 
 #include <array>
@@ -11,37 +11,66 @@
 
 namespace cnc::server {
 
-class TimeHistogram {
+/// `Edges` has kCount upper edges, rising; a last bin takes what is not below the last of them.
+template <typename Edges>
+class Histogram {
  public:
-  static constexpr std::size_t kBins = 22;
+  static constexpr std::size_t kBins = Edges::kCount + 1;
 
-  /// Upper edge of a bin in seconds; infinity for the last.
+  /// Upper edge of a bin; infinity for the last.
   [[nodiscard]] static double upper_edge(std::size_t bin) {
-    if (bin + 1 == kBins) return std::numeric_limits<double>::infinity();
-    return 1e-6 * static_cast<double>(1U << bin);
+    return bin < Edges::kCount ? Edges::upper(bin) : std::numeric_limits<double>::infinity();
   }
 
-  void record(double seconds) {
+  void record(double value) {
     std::size_t bin = 0;
-    while (bin + 1 < kBins && seconds >= upper_edge(bin)) ++bin;
+    while (value >= upper_edge(bin)) ++bin;
     counts_[bin].fetch_add(1, std::memory_order_relaxed);
-    if (seconds > max_.load(std::memory_order_relaxed))
-      max_.store(seconds, std::memory_order_relaxed);
+    sum_.store(sum_.load(std::memory_order_relaxed) + value, std::memory_order_relaxed);
+    if (value > max_.load(std::memory_order_relaxed)) max_.store(value, std::memory_order_relaxed);
   }
 
   void reset() {
     for (auto& count : counts_) count.store(0, std::memory_order_relaxed);
+    sum_.store(0.0, std::memory_order_relaxed);
     max_.store(0.0, std::memory_order_relaxed);
   }
 
   [[nodiscard]] std::uint64_t count(std::size_t bin) const {
     return counts_[bin].load(std::memory_order_relaxed);
   }
+  /// The highest value; 0 if there was none.
   [[nodiscard]] double max() const { return max_.load(std::memory_order_relaxed); }
+  /// 0 if there was none.
+  [[nodiscard]] double mean() const {
+    std::uint64_t all = 0;
+    for (std::size_t bin = 0; bin < kBins; ++bin) all += count(bin);
+    return all == 0 ? 0.0 : sum_.load(std::memory_order_relaxed) / static_cast<double>(all);
+  }
 
  private:
   std::array<std::atomic<std::uint64_t>, kBins> counts_{};
+  std::atomic<double> sum_{0.0};
   std::atomic<double> max_{0.0};
 };
+
+/// Durations: from 1 µs to 1 s, each edge twice the one before.
+struct DoublingEdges {
+  static constexpr std::size_t kCount = 21;
+  [[nodiscard]] static double upper(std::size_t bin) {
+    return 1e-6 * static_cast<double>(1U << bin);
+  }
+};
+using TimeHistogram = Histogram<DoublingEdges>;
+
+/// Seconds of motion in the FIFO: fine near 0, where an underrun is near, and around the usual
+/// FifoTime of 0.25 s.
+struct FifoEdges {
+  static constexpr std::array kMilliseconds{1,   2,   5,   10,  20,  30,  50,  75,  100,  125, 150,
+                                            175, 200, 225, 250, 275, 300, 400, 500, 1000, 2000};
+  static constexpr std::size_t kCount = kMilliseconds.size();
+  [[nodiscard]] static double upper(std::size_t bin) { return 1e-3 * kMilliseconds[bin]; }
+};
+using FifoHistogram = Histogram<FifoEdges>;
 
 }  // namespace cnc::server

@@ -38,11 +38,7 @@ void Link::cycle(double now) {
   note_done(status.board.frames_done);
   status.items_done = items_done_;
   status.interval = now - std::exchange(last_exchange_, now);
-  if (status.board.moving && status.board.fifo_count > 0) {
-    auto& lowest = statistics_.lowest_fifo_time;
-    if (status.board.fifo_time < lowest.load(std::memory_order_relaxed))
-      lowest.store(status.board.fifo_time, std::memory_order_relaxed);
-  }
+  statistics_.note(status.board);
   status_.publish();
 }
 

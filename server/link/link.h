@@ -13,7 +13,7 @@
 #include <variant>
 
 #include "hal/controller.h"
-#include "server/link/histogram.h"
+#include "server/link/link_statistics.h"
 #include "server/link/triple_buffer.h"
 
 namespace cnc::server {
@@ -58,22 +58,6 @@ struct LinkStatus {
   /// Items that have reached the board, since the link was made; `board` shows what came of them.
   std::uint64_t items_done = 0;
   double interval = 0.0;  ///< s between the last two exchanges
-};
-
-struct LinkStatistics {
-  std::atomic<std::uint64_t> cycles{0};
-  TimeHistogram lateness;                             ///< start of a cycle after its due time
-  TimeHistogram work;                                 ///< duration of a cycle
-  std::atomic<double> lowest_fifo_time{kNeverMoved};  ///< while moving with more to come
-
-  static constexpr double kNeverMoved = 1e9;
-
-  void reset() {
-    cycles.store(0, std::memory_order_relaxed);
-    lateness.reset();
-    work.reset();
-    lowest_fifo_time.store(kNeverMoved, std::memory_order_relaxed);
-  }
 };
 
 class Link {

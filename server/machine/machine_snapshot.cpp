@@ -49,6 +49,9 @@ MachineSnapshot Machine::take_snapshot() {
   shown.probe_input = board.inputs.probe;
   shown.home_switches = board.inputs.home;
   shown.fifo_time = board.fifo_time;
+  shown.board_connected = board.connected;
+  shown.board = board.board;
+  shown.board_sessions = board.sessions;
   shown.newest_message = log_.newest();
   return shown;
 }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "config/axis.h"
+#include "hal/controller.h"
 #include "interpreter/canonical.h"
 #include "server/machine/position_trust.h"
 #include "server/machine/state_table.h"
@@ -72,6 +73,9 @@ struct MachineSnapshot {
   bool probe_input = false;
   AxisArray<bool> home_switches{};
   double fifo_time = 0.0;
+  bool board_connected = false;
+  hal::BoardIdentity board;          ///< that it was last connected to
+  std::uint32_t board_sessions = 0;  ///< links made since the server started
   std::uint64_t newest_message = 0;
 };
 

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <array>
+
 #include "cnc/v1/system.grpc.pb.h"
 #include "server/rpc/host.h"
 #include "server/version.h"
@@ -8,13 +11,42 @@ namespace {
 constexpr std::uint32_t kApiMajor = 1;
 constexpr std::uint32_t kApiMinor = 0;
 
-void fill(const TimeHistogram& histogram,
+template <typename Edges>
+void fill(const Histogram<Edges>& histogram,
           google::protobuf::RepeatedPtrField<v1::HistogramBin>* out) {
-  for (std::size_t bin = 0; bin < TimeHistogram::kBins; ++bin) {
+  for (std::size_t bin = 0; bin < Histogram<Edges>::kBins; ++bin) {
     v1::HistogramBin* row = out->Add();
-    row->set_upper(TimeHistogram::upper_edge(bin));
+    row->set_upper(Histogram<Edges>::upper_edge(bin));
     row->set_count(histogram.count(bin));
   }
+}
+
+void fill(const LinkStatistics& statistics, v1::GetLinkStatisticsResponse& out) {
+  out.set_cycles(statistics.cycles.load(std::memory_order_relaxed));
+  out.set_max_lateness(statistics.lateness.max());
+  out.set_max_work(statistics.work.max());
+  fill(statistics.lateness, out.mutable_lateness());
+  fill(statistics.work, out.mutable_work());
+  out.set_lowest_fifo_time(statistics.lowest_fifo_time.load(std::memory_order_relaxed));
+  fill(statistics.fifo_time, out.mutable_fifo_time());
+  out.set_last_round_trip(statistics.last_round_trip.load(std::memory_order_relaxed));
+  out.set_mean_round_trip(statistics.round_trip.mean());
+  out.set_max_round_trip(statistics.round_trip.max());
+  fill(statistics.round_trip, out.mutable_round_trip());
+  const hal::PacketCounts packets = statistics.packets();
+  out.mutable_packets()->set_sent(packets.sent);
+  out.mutable_packets()->set_resent(packets.resent);
+  out.mutable_packets()->set_answered(packets.answered);
+  out.mutable_packets()->set_passed_over(packets.passed_over);
+  out.mutable_packets()->set_corrupted(packets.corrupted);
+}
+
+/// Up to the first 0; what is no ASCII, which only a mad board would send, is a question mark.
+std::string text_of(const std::array<char, 16>& name) {
+  std::string text(name.begin(), std::ranges::find(name, '\0'));
+  std::ranges::replace_if(
+      text, [](char c) { return c < ' ' || c > '~'; }, '?');
+  return text;
 }
 
 class SystemService final : public v1::System::CallbackService {
@@ -58,12 +90,12 @@ class SystemService final : public v1::System::CallbackService {
     LinkStatistics& statistics = host_.link.statistics();
     response->set_real_time(host_.real_time);
     response->set_cycle_time(host_.link_period);
-    response->set_cycles(statistics.cycles.load(std::memory_order_relaxed));
-    response->set_max_lateness(statistics.lateness.max());
-    response->set_max_work(statistics.work.max());
-    fill(statistics.lateness, response->mutable_lateness());
-    fill(statistics.work, response->mutable_work());
-    response->set_lowest_fifo_time(statistics.lowest_fifo_time.load(std::memory_order_relaxed));
+    fill(statistics, *response);
+    const auto shown = host_.machine.snapshots().newest();
+    response->set_connected(shown->board_connected);
+    response->set_sessions(shown->board_sessions);
+    response->set_board_name(text_of(shown->board.name));
+    response->set_board_serial(shown->board.serial);
     if (request->reset()) statistics.reset();
     return answer(grpc::Status::OK);
   }

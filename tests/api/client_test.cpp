@@ -358,6 +358,17 @@ TEST_CASE("The machine, its link and its program are described", "[api]") {
   REQUIRE(link.has_value());
   CHECK(link->cycles == 1000);
   CHECK(link->lateness.at(0).count == 7);
+  CHECK(link->fifo_time.at(2).upper == 0.15);
+  CHECK(link->fifo_time.at(2).count == 3);
+  CHECK(link->mean_round_trip == 0.0004);
+  CHECK(link->max_round_trip == 0.012);
+  CHECK(link->packets.resent == 3);
+  CHECK(link->packets.answered == 1990);
+  CHECK(link->packets.corrupted == 5);
+  CHECK(link->connected);
+  CHECK(link->sessions == 2);
+  CHECK(link->board_name == "a fake board");
+  CHECK(link->board_serial == 77);
   CHECK(f.machine.has_seen("GetLinkStatistics reset"));
 
   const auto text = client.read_lines(5, 2);

@@ -1,4 +1,5 @@
 // cncctl from outside: what it sends, prints and answers to the shell.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <filesystem>
 #include <fstream>
@@ -212,8 +213,46 @@ TEST_CASE("cncctl lists problems, messages and the link's health", "[api][cncctl
   CHECK_THAT(f.run({"messages"}).out, Contains("warning Tool 3 is worn."));
   CHECK(nlohmann::json::parse(f.run({"messages", "--json"}).out).at("severity") == "warning");
   CHECK_THAT(f.run({"link"}).out, Contains("1000 of 1.000 ms") && Contains("250 us"));
-  CHECK(
-      nlohmann::json::parse(f.run({"link", "--json"}).out).at("lateness")[0].at("upper").is_null());
+}
+
+TEST_CASE("cncctl link shows the board, its packets and a bar for each bin",
+          "[api][cncctl][LNK-2]") {
+  Fixture f;
+  const std::string text = f.run({"link"}).out;
+  CHECK_THAT(text, Contains("board        a fake board, serial number 77, connected\n") &&
+                       Contains("sessions     2\n") && Contains("FIFO         has not moved\n") &&
+                       Contains("300 us the last, 400 us the mean, 12 ms at most\n") &&
+                       Contains("2000 sent, 3 of them again\n") &&
+                       Contains("1990 taken, 4 passed over, 5 corrupted\n"));
+  // A quarter and three quarters of 40 cells; an empty bin between them has no bar.
+  const auto cells = [](int count) {
+    std::string bar;
+    for (int i = 0; i < count; ++i) bar += "█";
+    return bar;
+  };
+  CHECK_THAT(text, Contains("< 100 ms           1   25.00 %  " + cells(10) + "\n") &&
+                       Contains("< 125 ms           0    0.00 %\n") &&
+                       Contains("< 150 ms           3   75.00 %  " + cells(30) + "\n"));
+  CHECK_THAT(text, !Contains("work of cycles"));  // nothing recorded
+
+  const auto json = nlohmann::json::parse(f.run({"link", "--json"}).out);
+  CHECK(json.at("lateness")[0].at("upper").is_null());
+  CHECK(json.at("fifo_time")[2].at("count") == 3);
+  CHECK(json.at("packets").at("passed_over") == 4);
+  CHECK(json.at("board_serial") == 77);
+}
+
+TEST_CASE("cncctl link --watch goes on until Ctrl-C and resets once", "[api][cncctl]") {
+  Fixture f;
+  Process process = f.start({"link", "--watch", "--reset", "--json"});
+  REQUIRE(f.machine.becomes([](FakeMachine& m) {
+    return std::ranges::count(m.calls, "GetLinkStatistics reset") == 1 &&
+           std::ranges::count_if(m.calls, [](const std::string& call) {
+             return call.starts_with("GetLinkStatistics");
+           }) >= 2;
+  }));
+  process.signal(SIGINT);
+  CHECK(process.wait().exit_code == kInterrupted);
 }
 
 TEST_CASE("Ctrl-C during homing stops the machine and says so", "[api][cncctl][safety]") {

@@ -1,5 +1,6 @@
 // What the fake server shows: versions, the machine, statuses, messages.
 #include <limits>
+#include <utility>
 
 #include "cnc/v1/messages.grpc.pb.h"
 #include "cnc/v1/status.grpc.pb.h"
@@ -11,6 +12,15 @@ namespace {
 
 using grpc::ServerContext;
 using grpc::Status;
+
+/// One in four below 100 ms, none below 125 ms, the rest below 150 ms.
+void fill_fifo(v1::GetLinkStatisticsResponse& out) {
+  for (const auto& [upper, count] : {std::pair{0.1, 1U}, {0.125, 0U}, {0.15, 3U}}) {
+    v1::HistogramBin& bin = *out.add_fifo_time();
+    bin.set_upper(upper);
+    bin.set_count(count);
+  }
+}
 
 struct SystemService final : v1::System::Service {
   explicit SystemService(FakeMachine& m) : machine(m) {}
@@ -50,6 +60,20 @@ struct SystemService final : v1::System::Service {
     v1::HistogramBin& bin = *response->add_lateness();
     bin.set_upper(std::numeric_limits<double>::infinity());
     bin.set_count(7);
+    response->set_lowest_fifo_time(1e9);
+    fill_fifo(*response);
+    response->set_last_round_trip(0.0003);
+    response->set_mean_round_trip(0.0004);
+    response->set_max_round_trip(0.012);
+    response->mutable_packets()->set_sent(2000);
+    response->mutable_packets()->set_resent(3);
+    response->mutable_packets()->set_answered(1990);
+    response->mutable_packets()->set_passed_over(4);
+    response->mutable_packets()->set_corrupted(5);
+    response->set_connected(true);
+    response->set_sessions(2);
+    response->set_board_name("a fake board");
+    response->set_board_serial(77);
     return note_call(machine, "GetLinkStatistics", request->reset() ? "reset" : "");
   }
 };

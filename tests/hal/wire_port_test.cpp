@@ -115,6 +115,29 @@ TEST_CASE("Requests are done when the board has answered them", "[hal][LNK-9]") 
   CHECK(cycles >= 19);  // there and back
 }
 
+TEST_CASE("Every packet is counted once, by what came of it", "[hal][LNK-9]") {
+  const auto controller = make_virtual_controller(small_machine(), at_zero());
+  Shuttle shuttle(*controller);
+  shuttle.run(100);
+  CHECK(std::string(controller->exchange(shuttle.now()).board.name.data()) == "virtual board");
+  CHECK(shuttle.status().board.serial == 1);
+  PacketCounts counts = shuttle.status().packets;
+  CHECK(counts.sent == counts.answered);  // in memory each is answered at once
+  CHECK(counts.resent == 0);
+  CHECK(counts.passed_over + counts.corrupted == 0);
+
+  controller->trouble().duplication = 1.0;  // the second of each pair brings nothing new
+  shuttle.run(100);
+  CHECK(shuttle.status().packets.passed_over > 0);
+  CHECK(shuttle.status().packets.corrupted == 0);
+
+  controller->trouble() = {.corruption = 0.2, .delay = 0.004};
+  shuttle.run(100);
+  CHECK(shuttle.status().packets.corrupted > 0);
+  CHECK(shuttle.status().packets.resent > 0);
+  CHECK(shuttle.status().round_trip == Approx(0.008).margin(0.0015));  // there and back
+}
+
 TEST_CASE("A cable that is out is noticed, and one that is back in is used again",
           "[hal][LNK-9][LNK-4]") {
   const auto controller = make_virtual_controller(small_machine(), at_zero());

@@ -170,7 +170,66 @@ TEST_CASE("A histogram puts each time under the first edge above it", "[LNK-2]")
   CHECK(histogram.count(10) == 1);
   CHECK(histogram.count(TimeHistogram::kBins - 1) == 1);
   CHECK(histogram.max() == 100.0);
+  CHECK(histogram.mean() == Approx((100.0 + 1e-3 + 3.4e-6) / 6.0));
   histogram.reset();
   for (std::size_t bin = 0; bin < TimeHistogram::kBins; ++bin) CHECK(histogram.count(bin) == 0);
   CHECK(histogram.max() == 0.0);
+  CHECK(histogram.mean() == 0.0);
+}
+
+TEST_CASE("The FIFO histogram counts exchanges in motion by the seconds left in the board",
+          "[LNK-2]") {
+  Fixture f;
+  const FifoHistogram& fifo = f.link.statistics().fifo_time;
+  // An exchange for each: only the last three are in motion with more to come.
+  struct Row {
+    bool moving;
+    std::uint32_t count;
+    double time;
+  };
+  for (const Row& row :
+       {Row{false, 0, 0.0}, {true, 0, 0.004}, {true, 9, 0.0005}, {true, 9, 0.24}, {true, 9, 5.0}}) {
+    f.recording.status.moving = row.moving;
+    f.recording.status.fifo_count = row.count;
+    f.recording.status.fifo_time = row.time;
+    f.link.cycle(0.0);
+  }
+  for (std::size_t bin = 0; bin < FifoHistogram::kBins; ++bin) {
+    const double upper = FifoHistogram::upper_edge(bin);
+    const bool expected = upper == 0.001 || upper == 0.25 || std::isinf(upper);
+    CAPTURE(upper);
+    CHECK(fifo.count(bin) == (expected ? 1 : 0));
+  }
+  CHECK(fifo.mean() == Approx((0.0005 + 0.24 + 5.0) / 3.0));
+  f.link.statistics().reset();
+  CHECK(fifo.max() == 0.0);
+}
+
+TEST_CASE("Round trips are counted when an answer has come; packets since the last reset",
+          "[LNK-2]") {
+  Fixture f;
+  LinkStatistics& statistics = f.link.statistics();
+  hal::ControllerStatus& board = f.recording.status;
+  f.link.cycle(0.0);  // nothing has come yet
+  CHECK(statistics.round_trip.max() == 0.0);
+  board.packets = {.sent = 10, .resent = 1, .answered = 7, .passed_over = 2, .corrupted = 3};
+  board.round_trip = 0.001;
+  f.link.cycle(0.002);
+  f.link.cycle(0.004);  // silence
+  board.packets.answered = 8;
+  board.round_trip = 0.003;
+  f.link.cycle(0.006);
+  CHECK(statistics.round_trip.mean() == Approx(0.002));
+  CHECK(statistics.round_trip.max() == 0.003);
+  CHECK(statistics.last_round_trip == 0.003);
+
+  statistics.reset();
+  board.packets = {.sent = 15, .resent = 3, .answered = 12, .passed_over = 2, .corrupted = 4};
+  f.link.cycle(0.008);
+  const hal::PacketCounts since = statistics.packets();
+  CHECK(since.sent == 5);
+  CHECK(since.resent == 2);
+  CHECK(since.answered == 4);
+  CHECK(since.passed_over == 0);
+  CHECK(since.corrupted == 1);
 }

@@ -4,18 +4,11 @@
 #include <cstdint>
 
 #include "config/error.h"
+#include "hal/controller.h"
 #include "hal/cpu5/firmware/host_frame.h"
 #include "hal/cpu5/wire/messages.h"
 
 namespace cnc::hal::cpu5 {
-
-/// Packets since the port was made.
-struct PacketCounts {
-  std::uint64_t sent = 0;
-  std::uint64_t resent = 0;       ///< of those: frames that had been sent before
-  std::uint64_t received = 0;     ///< whole and for this session
-  std::uint64_t passed_over = 0;  ///< damaged, of another session, or overtaken by a newer one
-};
 
 /// What is known of the board after an exchange.
 struct BoardAnswer {

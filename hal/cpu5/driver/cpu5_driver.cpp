@@ -148,9 +148,11 @@ bool Cpu5Driver::begin_frame() {
 void Cpu5Driver::take(const BoardAnswer& answer) {
   status_.connected = answer.connected;
   status_.frames_done = answer.frames_done;
+  status_.packets = answer.packets;
   if (!answer.connected) return;
   if (answer.greetings != greetings_) begin_session(answer);
   board_ = answer.status;
+  status_.round_trip = answer.round_trip;
   read_status();
 }
 
@@ -165,6 +167,7 @@ void Cpu5Driver::begin_session(const BoardAnswer& answer) {
   latch_frame_ = {};
   probe_frame_ = clear_frame_ = 0;
   status_.sessions = greetings_;
+  status_.board = {.name = answer.identity.name, .serial = answer.identity.serial};
   status_.counts_lost = answer.counts_lost;
   if (!answer.counts_lost) return;
   for (const Axis axis : kAllAxes) {

@@ -131,11 +131,11 @@ void WirePort::greet() {
   ++answer_.packets.sent;
 }
 
-void WirePort::take_welcome(ByteReader& body) {
+bool WirePort::take_welcome(ByteReader& body) {
   wire::Identity identity;
   const bool usable = state_ == State::greeting && wire::get_identity(body, identity) &&
                       identity.axes == firmware::kAxisCount && identity.window > 0;
-  if (!usable) return;
+  if (!usable) return false;
   answer_.identity = identity;
   window_ = std::min<std::uint32_t>(identity.window, kWindow);
   answer_.counts_lost = boot_known_ && identity.boot != boot_;
@@ -147,15 +147,17 @@ void WirePort::take_welcome(ByteReader& body) {
   smoothed_trip_ = trip_deviation_ = 0.0;
   answer_.status = {};
   poll();
+  return true;
 }
 
 /// A board that does not know the session any more has been reset; one that does not understand is
 /// of no use either.
-void WirePort::take_refusal(ByteReader& body) {
+bool WirePort::take_refusal(ByteReader& body) {
   wire::Refusal refusal;
-  if (!wire::get_refusal(body, refusal)) return;
+  if (!wire::get_refusal(body, refusal)) return false;
   if (state_ == State::greeting) refusal_ = refusal;
   if (state_ == State::running) lose_link();
+  return true;
 }
 
 /// What was on its way is void; for whoever waits for it, it is done.
@@ -263,34 +265,35 @@ void WirePort::receive_all() {
 
 void WirePort::take(std::span<const std::uint8_t> packet) {
   auto received = wire::open_packet(packet);
-  const bool ours = received && received->header.version == wire::kVersion &&
-                    received->header.session == session_;
-  if (!ours) {
-    ++answer_.packets.passed_over;
+  if (!received) {
+    ++answer_.packets.corrupted;
     return;
   }
-  ++answer_.packets.received;
-  switch (received->header.type) {
+  const bool ours =
+      received->header.version == wire::kVersion && received->header.session == session_;
+  const bool brought_something = ours && take(received->header.type, received->body);
+  ++(brought_something ? answer_.packets.answered : answer_.packets.passed_over);
+}
+
+bool WirePort::take(PacketType type, ByteReader& body) {
+  switch (type) {
     case PacketType::welcome:
-      return take_welcome(received->body);
+      return take_welcome(body);
     case PacketType::refusal:
-      return take_refusal(received->body);
+      return take_refusal(body);
     case PacketType::status:
-      return take_status(received->body);
+      return take_status(body);
     default:
-      ++answer_.packets.passed_over;
+      return false;
   }
 }
 
-void WirePort::take_status(ByteReader& body) {
+bool WirePort::take_status(ByteReader& body) {
   wire::StatusNumbers numbers;
   const bool taken = state_ == State::running && wire::get_status(body, numbers, status_) &&
                      wire::is_newer(numbers.answer, newest_answer_) &&
                      numbers.executed - executed_ <= on_their_way();
-  if (!taken) {
-    ++answer_.packets.passed_over;
-    return;
-  }
+  if (!taken) return false;
   if (!answer_.connected) {
     answer_.connected = true;
     ++answer_.greetings;
@@ -302,6 +305,7 @@ void WirePort::take_status(ByteReader& body) {
   answer_.frames_done = frames_sent_ - on_their_way();
   answer_.status = status_;
   take_round_trip(numbers.stamp);
+  return true;
 }
 
 void WirePort::take_round_trip(std::uint32_t stamp_then) {

@@ -57,9 +57,11 @@ class WirePort : public BoardPort {
   void greet();
   void receive_all();
   void take(std::span<const std::uint8_t> packet);
-  void take_welcome(wire::ByteReader& body);
-  void take_refusal(wire::ByteReader& body);
-  void take_status(wire::ByteReader& body);
+  // Each answers whether the packet brought something.
+  [[nodiscard]] bool take(wire::PacketType type, wire::ByteReader& body);
+  [[nodiscard]] bool take_welcome(wire::ByteReader& body);
+  [[nodiscard]] bool take_refusal(wire::ByteReader& body);
+  [[nodiscard]] bool take_status(wire::ByteReader& body);
   void take_round_trip(std::uint32_t stamp);
   void send_what_is_due();
   void send_again(Sent& frame);
