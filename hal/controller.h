@@ -13,7 +13,7 @@
 
 #include "config/axis.h"
 #include "config/error.h"
-#include "hal/ports.h"
+#include "hal/outputs.h"
 
 namespace cnc::hal {
 
@@ -34,21 +34,9 @@ struct Segment {
   /// configured acceleration allows. It and all that follows up to the next standstill must leave
   /// that room below the maximum step frequency. A standing spindle holds it. 0 = as written.
   double spindle_speed = 0.0;
-};
-
-/// Every output of the board; it is set as a whole. A fault switches all of them off, the drives as
-/// the driver's settings say.
-struct Outputs {
-  bool drives_enabled = false;
-  bool spindle_on = false;      ///< a relay for the inverter's enable; the CPU5 itself has none
-  bool tool_direction = false;  ///< TOOLDIR: M3 and M84 on, M4, M5 and M85 off
-  double spindle_pwm = 0.0;     ///< 0 … 1: M3, M4 and M86; 0: M5 and M87
-  bool mist = false;
-  bool flood = false;
-  Ports ports{};                        ///< AUX and I/O cards: M54, M55
-  std::array<double, kPwmCount> pwm{};  ///< 0 … 1, [0] is PWM1: M54 E; heaters
-
-  friend bool operator==(const Outputs&, const Outputs&) = default;
+  /// Takes effect at the very tick at which the segment begins, at its step; never, when the
+  /// segment is dropped before it has begun.
+  OutputChange change{};
 };
 
 /// Why the board stopped by itself. Bits; more than one may be set.
@@ -188,6 +176,9 @@ class Controller {
   /// While a fault is pending the board keeps its outputs in the safe state, and it does not bring
   /// back what was on before: call again after clear_faults().
   virtual void set_outputs(const Outputs& outputs) = 0;
+  /// Some of them, at once. Under the same conditions. False: one is on its way out already, try
+  /// again behind the next exchange.
+  virtual bool change_outputs(const OutputChange& change) = 0;
   /// Stops step pulses at once and empties the FIFO. Steps may be lost by a real motor.
   virtual void quick_stop() = 0;
   /// Slows down along the path to a standstill, no axis beyond its configured acceleration, then

@@ -131,10 +131,12 @@ void VirtualMachine::stick_door(std::optional<bool> state) { door_contact_.stick
 // --- pins ----------------------------------------------------------------------------------------
 
 void VirtualMachine::set_outputs(const cpu5::firmware::Outputs& outputs) {
+  const bool changed = outputs != outputs_;
   outputs_ = outputs;
   for (VirtualMotor& motor : motors_.values) motor.set_drive(outputs.drives_enabled);
   if (loop_back_) loop_back_->set_outputs(outputs.ports & present_ports_, now_);
   drive_spindle();
+  if (changed && output_listener_) output_listener_();
 }
 
 void VirtualMachine::drive_spindle() {

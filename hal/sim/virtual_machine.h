@@ -19,8 +19,10 @@
 // the same machine, to the last bounce of a switch. Not thread-safe.
 #pragma once
 
+#include <functional>
 #include <map>
 #include <optional>
+#include <utility>
 #include <vector>
 
 #include "config/machine_config.h"
@@ -88,6 +90,12 @@ class VirtualMachine final : public cpu5::firmware::BoardIo {
   [[nodiscard]] double mist_time() const { return seconds(mist_ticks_); }
   [[nodiscard]] double flood_time() const { return seconds(flood_ticks_); }
   [[nodiscard]] const cpu5::firmware::Outputs& outputs() const { return outputs_; }
+  /// Is called when the board has switched something, with where the machine stands at that tick.
+  void set_output_listener(std::function<void()> listener) {
+    output_listener_ = std::move(listener);
+  }
+  /// s since power-up of the machine, as far as the board has looked at its inputs.
+  [[nodiscard]] double time() const { return seconds(now_); }
 
   void step(std::size_t axis, int direction, Ticks /*when*/) override {
     motors_.values[axis].step(direction);
@@ -137,6 +145,7 @@ class VirtualMachine final : public cpu5::firmware::BoardIo {
   cpu5::firmware::PortBits present_ports_ = 0;
   cpu5::firmware::Inputs wired_;  // what does not come from the machine itself
   cpu5::firmware::Outputs outputs_;
+  std::function<void()> output_listener_;
   Ticks now_ = 0;  // since power-up of the machine
   Ticks board_start_ = 0;
   Ticks mist_ticks_ = 0;

@@ -122,7 +122,7 @@ JobSignal JobControl::cycle() {
   for (int step = 0; step < kMaxSteps && wants_more(); ++step) {
     switch (runner_.next()) {
       case JobRunner::Next::setpoint:
-        if (auto sent = feed_.emit(runner_.setpoint()); !sent) return fail_with(sent.error());
+        if (auto sent = emit(runner_.setpoint()); !sent) return fail_with(sent.error());
         break;
       case JobRunner::Next::note:
         notes_.push_back({feed_.last_id(), runner_.event()});
@@ -155,19 +155,40 @@ void JobControl::follow_surface_speed() {
 }
 
 JobSignal JobControl::finish(JobSignal how) {
-  while (!notes_.empty()) {
-    show(notes_.front().event);
-    notes_.pop_front();
-  }
+  show_due_notes();
+  notes_.clear();
   active_ = false;
   interpreter_.set_position(feed_.commanded());
   return how;
 }
 
+/// With it goes what the notes behind the segment before it switch.
+Result<void> JobControl::emit(const motion::Setpoint& setpoint) {
+  hal::OutputChange change;
+  const std::uint32_t id = feed_.next_id();
+  for (auto note = notes_.rbegin(); note != notes_.rend() && note->after_segment == feed_.last_id();
+       ++note) {
+    note->change = io_.change_for(note->event.command.body);
+    if (note->change.empty()) continue;
+    note->with_segment = id;
+    note->ticket = io_.sent_with_path();
+    hal::OutputChange earlier = note->change;
+    earlier.add(change);
+    change = earlier;
+  }
+  return feed_.emit(setpoint, change);
+}
+
+bool JobControl::is_due(const DueNote& note) const {
+  return note.with_segment != 0 ? feed_.begun(note.with_segment)
+                                : feed_.executed(note.after_segment);
+}
+
 void JobControl::show_due_notes() {
-  while (!notes_.empty() && feed_.executed(notes_.front().after_segment)) {
-    show(notes_.front().event);
-    notes_.pop_front();
+  for (; !notes_.empty() && is_due(notes_.front()); notes_.pop_front()) {
+    const DueNote& note = notes_.front();
+    if (note.with_segment != 0) io_.switched(note.change, note.ticket);
+    show(note.event);
   }
 }
 
@@ -224,7 +245,8 @@ void JobControl::show(const JobEvent& event) {
 }
 
 void JobControl::set_overrides(const Overrides& overrides) {
-  const bool same = overrides.feed == overrides_.feed && overrides.rapid == overrides_.rapid;
+  const bool same = overrides.feed == overrides_.feed && overrides.rapid == overrides_.rapid &&
+                    (overrides.speed == overrides_.speed || notes_.empty());
   overrides_ = overrides;
   apply_overrides();
   if (!same) replan();

@@ -99,9 +99,14 @@ class JobControl {
   [[nodiscard]] std::uint32_t line() const { return line_; }
 
  private:
+  /// A note to be shown behind a segment. What it switches travels with the next one, so that it
+  /// happens at its very step (3.5.5, 3.5.2); it is then shown when that one has begun.
   struct DueNote {
     std::uint32_t after_segment = 0;
     JobEvent event;
+    std::uint32_t with_segment = 0;  // 0: with none yet, or nothing to switch
+    hal::OutputChange change{};
+    std::uint64_t ticket = 0;  // MachineIo's
   };
 
   /// What the action in hand waits for.
@@ -126,6 +131,8 @@ class JobControl {
                                                const std::string& name);
   [[nodiscard]] Result<void> follow(std::shared_ptr<const motion::HeightSurface> surface);
   [[nodiscard]] JobSignal finish(JobSignal how);
+  [[nodiscard]] Result<void> emit(const motion::Setpoint& setpoint);
+  [[nodiscard]] bool is_due(const DueNote& note) const;
   void show_due_notes();
   void withdraw_notes();
   void show(const JobEvent& event);

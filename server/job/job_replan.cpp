@@ -27,9 +27,12 @@ void JobControl::cut_and_go_on(std::size_t count) {
   feed_.commit_cut();
 }
 
-/// Those of setpoints that were cut off: the runner hands them out again.
+/// Those of setpoints that were cut off: the runner hands them out again. Those right behind the
+/// last one that is kept lose the segment with which they were to switch.
 void JobControl::withdraw_notes() {
   while (!notes_.empty() && notes_.back().after_segment > feed_.last_id()) notes_.pop_back();
+  for (DueNote& note : notes_)
+    if (note.with_segment > feed_.last_id()) note.with_segment = 0;
 }
 
 /// A path of so many small steps that the planner could not go back over the whole FIFO gets a
@@ -45,7 +48,7 @@ void JobControl::draw_replacement() {
       notes_.push_back({feed_.last_id(), runner_.event()});
     } else if (next != JobRunner::Next::setpoint) {
       return;
-    } else if (auto sent = feed_.emit(runner_.setpoint()); !sent) {
+    } else if (auto sent = emit(runner_.setpoint()); !sent) {
       error_ = std::move(sent.error());  // the next cycle tells
       return;
     }

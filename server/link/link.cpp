@@ -21,9 +21,9 @@ bool Link::begin_cut(std::uint32_t id) {
 }
 
 void Link::cycle(double now) {
-  if (quick_stop_.exchange(false, std::memory_order_acq_rel)) {
+  if (const auto before = quick_stop_before_.exchange(0, std::memory_order_acq_rel); before != 0) {
     controller_->quick_stop();
-    drop_queue();
+    while (delivered_ + 1 < before && queue_.read_available() > 0) drop_front();
   }
   deliver();
   LinkStatus& status = status_.back();
@@ -110,6 +110,7 @@ bool Link::deliver(const LinkItem& item) {
       board.set_outputs(set.outputs);
       return true;
     }
+    bool operator()(const ChangeOutputs& set) const { return board.change_outputs(set.change); }
     bool operator()(const ClearFaults&) const {
       board.clear_faults();
       settling_frame = board.next_frame();

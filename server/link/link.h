@@ -21,6 +21,10 @@ namespace cnc::server {
 struct SetOutputs {
   hal::Outputs outputs;
 };
+/// At once, whatever moves.
+struct ChangeOutputs {
+  hal::OutputChange change;
+};
 struct ClearFaults {};
 struct SetPosition {
   AxisArray<bool> axes{};
@@ -50,8 +54,8 @@ struct CutBehind {
 };
 
 using LinkItem =
-    std::variant<hal::Segment, SetOutputs, ClearFaults, SetPosition, ArmLatch, DisarmLatch,
-                 ArmProbe, DisarmProbe, ReleaseStop, CutBehind, JoinSession>;
+    std::variant<hal::Segment, SetOutputs, ChangeOutputs, ClearFaults, SetPosition, ArmLatch,
+                 DisarmLatch, ArmProbe, DisarmProbe, ReleaseStop, CutBehind, JoinSession>;
 
 struct LinkStatus {
   hal::ControllerStatus board;
@@ -79,8 +83,9 @@ class Link {
   /// pushed is done, the status says whether it was late. One at a time.
   bool begin_cut(std::uint32_t id);
   void commit_cut() { cut_item_.store(begun_cut_, std::memory_order_release); }
-  /// Overtakes everything: pulses stop at once, queued items are dropped (and count as done).
-  void quick_stop() { quick_stop_.store(true, std::memory_order_release); }
+  /// Overtakes everything: pulses stop at once, items pushed before are dropped (and count as
+  /// done), outputs among them. Those that are pushed from now on happen behind it.
+  void quick_stop() { quick_stop_before_.store(pushed_ + 1, std::memory_order_release); }
   [[nodiscard]] const LinkStatus& status() { return status_.read(); }
 
   // --- link thread: real-time, no allocation, no lock --------------------------------------------
@@ -111,7 +116,7 @@ class Link {
   std::unique_ptr<hal::Controller> controller_;
   boost::lockfree::spsc_queue<LinkItem, boost::lockfree::capacity<kCapacity>> queue_;
   TripleBuffer<LinkStatus> status_;
-  std::atomic<bool> quick_stop_{false};
+  std::atomic<std::uint64_t> quick_stop_before_{0};  // number of the next item; 0: none is wanted
   std::atomic<std::uint64_t> cut_item_{0};  // number of the last cut that is committed, among items
   std::atomic<std::uint32_t> cut_behind_{0};
   std::uint64_t pushed_ = 0;      // executor's

@@ -116,6 +116,7 @@ void Machine::stop_at_once(Error error) {
 void Machine::quick_stop() {
   lose_trust(TrustEvent::stopped_on_the_spot, feed_.axes_under_way());
   feed_.quick_stop();
+  io_.send_all();
 }
 
 /// Whatever was going on is over, without a ramp.

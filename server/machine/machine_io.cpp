@@ -87,7 +87,7 @@ void MachineIo::all_off() {
   direction_output_.reset();
   pwm_output_.reset();
   mist_ = flood_ = false;
-  apply();
+  path_switches_ ? send_all() : apply();
 }
 
 void MachineIo::board_is_off() {
@@ -102,32 +102,72 @@ void MachineIo::board_is_off() {
 
 /// What the spindle is told, 0 … 1. S0 leaves it still even after M3 (manual 3.5.2); any other
 /// speed is kept within what it can do.
-double MachineIo::spindle_part() const {
-  const double speed = speed_ * override_;
+double MachineIo::spindle_part(double programmed) const {
+  const double speed = programmed * override_;
   if (speed <= 0.0) return 0.0;
   return std::clamp(speed, spindle_config_.min_speed, spindle_config_.max_speed) /
          spindle_config_.max_speed;
 }
 
-void MachineIo::apply_spindle(hal::Outputs& wanted) const {
-  const bool turns = direction_ != SpindleDirection::off && spindle_part() > 0.0;
+void MachineIo::apply_spindle(hal::Outputs& wanted, double speed) const {
+  const double part = spindle_part(speed);
+  const bool turns = direction_ != SpindleDirection::off && part > 0.0;
   wanted.spindle_on = turns;
   wanted.tool_direction =
       direction_output_.value_or(turns && direction_ == SpindleDirection::clockwise);
-  wanted.spindle_pwm = pwm_output_.value_or(turns) ? spindle_part() : 0.0;
+  wanted.spindle_pwm = pwm_output_.value_or(turns) ? part : 0.0;
+}
+
+hal::Outputs MachineIo::wanted() const {
+  hal::Outputs wanted{
+      .drives_enabled = drives_, .mist = mist_, .flood = flood_, .ports = ports_, .pwm = pwm_};
+  apply_spindle(wanted, speed_);
+  return wanted;
 }
 
 void MachineIo::apply() {
-  hal::Outputs wanted;
-  wanted.drives_enabled = drives_;
-  wanted.mist = mist_;
-  wanted.flood = flood_;
-  wanted.ports = ports_;
-  wanted.pwm = pwm_;
-  apply_spindle(wanted);
-  if (wanted == outputs_) return;
+  const hal::Outputs wanted = this->wanted();
+  const auto change = hal::change_between(outputs_, wanted);
+  if (!change) return send_all();
+  if (change->empty()) return;
   outputs_ = wanted;
-  feed_.send(SetOutputs{wanted});
+  feed_.send(ChangeOutputs{*change});
+  ++sends_;
+}
+
+void MachineIo::send_all() {
+  outputs_ = wanted();
+  feed_.send(SetOutputs{outputs_});
+  ++sends_;
+  path_switches_ = false;
+}
+
+// --- on the way ----------------------------------------------------------------------------------
+
+hal::OutputChange MachineIo::change_for(const interp::CommandBody& command) const {
+  if (const auto* coolant = std::get_if<interp::SetCoolant>(&command))
+    return {.mist = coolant->mist, .flood = coolant->flood};
+  const auto* speed = std::get_if<interp::SetSpindleSpeed>(&command);
+  const bool stands = direction_ == SpindleDirection::off && !pwm_output_;
+  if (speed == nullptr || stands) return {};
+  hal::Outputs then;
+  apply_spindle(then, speed->speed);
+  return {.spindle_on = then.spindle_on,
+          .tool_direction = then.tool_direction,
+          .spindle_pwm = then.spindle_pwm};
+}
+
+std::uint64_t MachineIo::sent_with_path() {
+  path_switches_ = true;
+  return sends_;
+}
+
+/// Whether what was sent meanwhile came before or behind it is not known: it is sent again.
+void MachineIo::switched(const hal::OutputChange& change, std::uint64_t ticket) {
+  change.apply_to(outputs_);
+  if (ticket == sends_) return;
+  feed_.send(ChangeOutputs{change});
+  ++sends_;
 }
 
 }  // namespace cnc::server

@@ -134,10 +134,11 @@ motion::Extents MotionFeed::travel(const AxisArray<bool>& limited) const {
   return travel;
 }
 
-Result<void> MotionFeed::emit(const motion::Setpoint& setpoint) {
+Result<void> MotionFeed::emit(const motion::Setpoint& setpoint, const hal::OutputChange& change) {
   if (auto checked = check_.check(setpoint); !checked) return checked;
   const motion::Setpoint motors = compensation_.apply(setpoint);
-  if (auto pushed = push(setpoint, motors, sent(last_id_).ordinal + 1); !pushed) return pushed;
+  if (auto pushed = push(setpoint, motors, sent(last_id_).ordinal + 1, change); !pushed)
+    return pushed;
   return setpoint.velocity == Position{} ? settle() : Result<void>{};
 }
 
@@ -154,7 +155,7 @@ Result<void> MotionFeed::settle() {
 }
 
 Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Setpoint& motors,
-                              std::uint64_t ordinal) {
+                              std::uint64_t ordinal, const hal::OutputChange& change) {
   if (auto checked = motor_check_.check(motors); !checked) return checked;
   const Sent& before = sent(last_id_);
   Sent next{.id = newest_id_ + 1,
@@ -180,7 +181,8 @@ Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Se
                              .position = motors.position,
                              .velocity = motors.velocity,
                              .wait_for_index = tag.begins_at_index && tag.id != before.tag.id,
-                             .spindle_speed = tag.spindle_speed};
+                             .spindle_speed = tag.spindle_speed,
+                             .change = change};
   if (!link_.push(segment))
     return fail(ErrorCode::internal_error, "The link's queue is full; wants_more() was not asked.");
   history_[next.id % kHistory] = next;

@@ -47,8 +47,8 @@ class MotionFeed {
   [[nodiscard]] motion::Extents travel(const AxisArray<bool>& limited) const;
   /// At rest, before a motion begins: which axes have to stay within their travel.
   void begin_motion(const AxisArray<bool>& limited);
-  /// Sends a setpoint, checked once more.
-  Result<void> emit(const motion::Setpoint& setpoint);
+  /// Sends a setpoint, checked once more. `change` takes effect at the tick at which it begins.
+  Result<void> emit(const motion::Setpoint& setpoint, const hal::OutputChange& change = {});
 
   /// Segments that the board has not begun.
   [[nodiscard]] std::size_t under_way() const;
@@ -85,6 +85,12 @@ class MotionFeed {
   /// segment `id`.
   [[nodiscard]] std::uint32_t last_id() const { return last_id_; }
   [[nodiscard]] bool executed(std::uint32_t id) const;
+  /// Id of the segment that the next setpoint becomes, or begins with, and whether the board has
+  /// begun the segment `id`.
+  [[nodiscard]] std::uint32_t next_id() const { return newest_id_ + 1; }
+  [[nodiscard]] bool begun(std::uint32_t id) const {
+    return id <= void_id_ || status_.board.executing_id >= id;
+  }
 
   /// Where the last setpoint ended: the start of the next.
   [[nodiscard]] const Position& commanded() const { return commanded_; }
@@ -156,7 +162,7 @@ class MotionFeed {
   void go_on_behind(std::uint32_t id);
   [[nodiscard]] const motion::Compensation::State& state_of_board() const;
   Result<void> push(const motion::Setpoint& setpoint, const motion::Setpoint& motors,
-                    std::uint64_t ordinal);
+                    std::uint64_t ordinal, const hal::OutputChange& change = {});
   Result<void> settle();
   void read_status();
   void accept_motors(const Position& motors);

@@ -58,6 +58,13 @@ class FuzzedBoard final : public BoardIo {
   Outputs last_outputs{};
 };
 
+OutputChange next_change(Bytes& bytes) {
+  return {.changed = static_cast<std::uint8_t>(bytes.next<std::uint8_t>() % 32),
+          .on = bytes.next<std::uint8_t>(),
+          .port = static_cast<std::uint8_t>(bytes.next<std::uint8_t>() % (kPortCount + 1)),
+          .pwm = static_cast<std::uint8_t>(bytes.next<std::uint8_t>() % (kPwmCount + 1))};
+}
+
 // Half of the segments go a random way at a believable speed in the right order, so that the fuzzer
 // does not have to guess six 64-bit numbers to get anything moving.
 Segment next_segment(Bytes& bytes, Segment& tail) {
@@ -66,6 +73,7 @@ Segment next_segment(Bytes& bytes, Segment& tail) {
   const bool wild = kind % 2 != 0;
   segment.wait_for_index = kind % 16 == 2;
   segment.spindle_period = kind % 4 == 2 ? bytes.next<std::uint32_t>() : 0;
+  if (kind % 8 == 4) segment.change = next_change(bytes);
   if (wild) {
     segment.id = bytes.next<std::uint32_t>();
     segment.duration = bytes.next<std::uint32_t>();
@@ -94,6 +102,7 @@ void fill_frame(Bytes& bytes, HostFrame& frame, Segment& tail, Core& core) {
   frame.probe = static_cast<ProbeRequest>(bytes.next<std::uint8_t>() % 3);
   frame.has_outputs = (flags & 16) != 0;
   frame.outputs.drives_enabled = true;
+  if ((flags & 32) != 0) frame.change = next_change(bytes);
   frame.latch[flags % kAxisCount] = static_cast<LatchRequest>(bytes.next<std::uint8_t>() % 4);
   const bool stopped = core.status().path_stop == PathStop::stopped;
   if (frame.quick_stop || frame.clear_faults || stopped) {
@@ -109,8 +118,8 @@ void fill_frame(Bytes& bytes, HostFrame& frame, Segment& tail, Core& core) {
   }
 }
 
-// The way at the highest speed in that time; after an index pulse up to one slice (1000 ticks) may be
-// owed, and rounding to whole steps is worth one more.
+// The way at the highest speed in that time; after an index pulse up to one slice (1000 ticks) may
+// be owed, and rounding to whole steps is worth one more.
 void check_pulses(FuzzedBoard& board, Ticks ticks, bool faulty_before) {
   const std::int64_t most = ((ticks + kSliceTicks) * kLimit >> kFractionBits) + 2;
   for (std::int64_t& pulses : board.pulses) {

@@ -141,13 +141,13 @@ TEST_CASE("A board with a host has no ear for another, until that one is silent 
   }
   SECTION("silent, but the machine moves") {
     HostFrame frame;
-    frame.segment_count = 15;
-    for (std::uint32_t i = 0; i < 15; ++i)
+    frame.segment_count = 13;
+    for (std::uint32_t i = 0; i < 13; ++i)
       frame.segments[i] = x_segment(i + 1, 0.1, 10.0 * (i + 1));
     rig.status(frame_packet(1, 1, frame));
     rig.core.advance(ticks(1.2));
     CHECK(rig.refusal(hello(2)) == RefusalReason::busy);
-    rig.core.advance(ticks(0.4));
+    rig.core.advance(ticks(0.2));
     CHECK(rig.type_of_answer(hello(2)) == PacketType::welcome);
   }
 }

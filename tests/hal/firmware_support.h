@@ -17,6 +17,13 @@ struct Pulse {
   friend bool operator==(const Pulse&, const Pulse&) = default;
 };
 
+/// The outputs as they became, and when: to the tick at which the inputs were looked at last.
+struct Switching {
+  Outputs outputs;
+  Ticks when;
+  PerAxis<std::int64_t> counts;
+};
+
 class WatchedBoard final : public BoardIo {
  public:
   void step(std::size_t axis, int direction, Ticks when) override {
@@ -28,7 +35,11 @@ class WatchedBoard final : public BoardIo {
     now = time;
     return read_inputs ? read_inputs() : Inputs{};
   }
-  void set_outputs(const Outputs& outputs) override { last_outputs = outputs; }
+  void set_outputs(const Outputs& outputs) override {
+    if (outputs != last_outputs) switchings.push_back({outputs, now, counts});
+    last_outputs = outputs;
+    if (on_switching) on_switching();
+  }
 
   PerAxis<std::int64_t> counts{};
   Ticks now = 0;  // of the inputs asked for
@@ -36,6 +47,8 @@ class WatchedBoard final : public BoardIo {
   std::vector<Pulse> pulses;
   std::uint64_t pulse_count = 0;
   Outputs last_outputs{};
+  std::vector<Switching> switchings;
+  std::function<void()> on_switching;
   std::function<Inputs()> read_inputs;
 };
 

@@ -41,6 +41,19 @@ firmware::Outputs random_outputs(std::mt19937& random) {
   return outputs;
 }
 
+firmware::OutputChange random_change(std::mt19937& random) {
+  firmware::OutputChange change;
+  change.changed = static_cast<std::uint8_t>(random() % 32);
+  change.on = static_cast<std::uint8_t>(random()) & change.changed & 15;
+  change.port = static_cast<std::uint8_t>(below(random, firmware::kPortCount + 1));
+  change.pwm = static_cast<std::uint8_t>(below(random, firmware::kPwmCount + 1));
+  const bool changes_speed = (change.changed & firmware::OutputChange::kSpindlePwm) != 0;
+  if (changes_speed) change.spindle_pwm = below(random, firmware::Outputs::kFullPwm + 1);
+  if (change.port != 0) change.port_on = random() % 2 == 0;
+  if (change.pwm != 0) change.pwm_value = below(random, firmware::Outputs::kFullPwm + 1);
+  return change;
+}
+
 firmware::HostFrame random_frame(std::mt19937& random) {
   firmware::HostFrame frame;
   frame.quick_stop = random() % 2 == 0;
@@ -49,6 +62,7 @@ firmware::HostFrame random_frame(std::mt19937& random) {
   frame.probe = static_cast<firmware::ProbeRequest>(random() % 3);
   frame.has_outputs = random() % 2 == 0;
   frame.outputs = random_outputs(random);
+  if (random() % 2 == 0) frame.change = random_change(random);
   frame.segment_count = below(random, firmware::kSegmentsPerFrame + 1);
   frame.has_cut = random() % 2 == 0;
   frame.cut_behind = any<std::uint32_t>(random);
@@ -59,6 +73,7 @@ firmware::HostFrame random_frame(std::mt19937& random) {
     segment.duration = below(random, firmware::kMaxSegmentTicks + 1);
     segment.wait_for_index = random() % 4 == 0;
     segment.spindle_period = random() % 4 == 0 ? any<std::uint32_t>(random) : 0;
+    if (random() % 4 == 0) segment.change = random_change(random);
     for (std::size_t axis = 0; axis < firmware::kAxisCount; ++axis) {
       const bool stands = i > 0 && random() % 2 == 0;
       segment.position[axis] =
@@ -198,10 +213,13 @@ TEST_CASE("A serial line that lost or invented bytes is in step again with the n
 
 TEST_CASE("A frame of the most and largest segments fits a packet", "[hal][LNK-9]") {
   firmware::HostFrame frame;
+  constexpr firmware::OutputChange kAll{.changed = 31, .port = 1, .pwm = 1};
   frame.has_outputs = frame.has_cut = true;
+  frame.change = kAll;
   frame.segment_count = firmware::kSegmentsPerFrame;
   for (auto& segment : frame.segments) {
     segment.spindle_period = 1;
+    segment.change = kAll;
     segment.velocity.fill(1);
   }
   Bytes memory(kMaxPacket);
@@ -214,12 +232,35 @@ TEST_CASE("A frame of the most and largest segments fits a packet", "[hal][LNK-9
 TEST_CASE("Frames come out of their bytes as they went in", "[hal][LNK-9]") {
   std::mt19937 random(3);
   for (int i = 0; i < 300; ++i) {
-    const Bytes bytes = body_of(random_frame(random));
+    const firmware::HostFrame written = random_frame(random);
+    const Bytes bytes = body_of(written);
     firmware::HostFrame frame;
     REQUIRE(read(bytes, frame));
     CHECK(body_of(frame) == bytes);
+    CHECK(frame.change == written.change);
+    for (std::uint32_t s = 0; s < frame.segment_count; ++s) {
+      CHECK(frame.segments[s].change == written.segments[s].change);
+    }
     if (i < 20) require_strict<firmware::HostFrame>(bytes, random);
   }
+}
+
+TEST_CASE("A change of outputs that no board has is refused", "[hal][LNK-9]") {
+  using firmware::OutputChange;
+  const OutputChange bad = GENERATE(
+      OutputChange{.changed = OutputChange::kMist, .on = OutputChange::kFlood},
+      OutputChange{.changed = OutputChange::kSpindlePwm,
+                   .spindle_pwm = firmware::Outputs::kFullPwm + 1},
+      OutputChange{.port = firmware::kPortCount + 1}, OutputChange{.pwm = firmware::kPwmCount + 1},
+      OutputChange{.pwm = 1, .pwm_value = firmware::Outputs::kFullPwm + 1});
+  firmware::HostFrame frame;
+  frame.change = bad;
+  firmware::HostFrame read_back;
+  CHECK_FALSE(read(body_of(frame), read_back));
+  frame.change = {};
+  frame.segment_count = 1;
+  frame.segments[0].change = bad;
+  CHECK_FALSE(read(body_of(frame), read_back));
 }
 
 TEST_CASE("A status comes out of its bytes as it went in", "[hal][LNK-9]") {

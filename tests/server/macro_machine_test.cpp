@@ -97,10 +97,16 @@ TEST_CASE("HomeIsEstop: a home switch that becomes active behind homing stops at
   MacroRig macro("sub nothing\nendsub", {"AXIS_X.negativeLimit=-20"});
   REQUIRE(macro.rig.home());
   REQUIRE(macro.run("HomeIsEstop on"));
+  REQUIRE(macro.run("M3 S12000"));
+  REQUIRE(macro.run("M8"));
+  REQUIRE(macro.rig.simulation.virtual_machine().outputs().spindle_on);
   macro.rig.machine.mdi("G1 X-15 F3000", [](const Result<void>&) {});
   REQUIRE(macro.rig.becomes(State::error));
   CHECK(macro.rig.last_error().code == ErrorCode::home_switch_active);
   CHECK_FALSE(macro.rig.homed(Axis::X));
+  macro.rig.run_for(0.1);
+  CHECK_FALSE(macro.rig.simulation.virtual_machine().outputs().spindle_on);
+  CHECK_FALSE(macro.rig.simulation.virtual_machine().outputs().flood);
   REQUIRE(macro.rig.reset());
   REQUIRE(macro.rig.machine.jog_step(Axis::X, 10.0, 0.2));  // off the switch
   REQUIRE(macro.rig.becomes(State::ready));

@@ -37,6 +37,10 @@ class RecordingController final : public hal::Controller {
   void set_outputs(const hal::Outputs& outputs) override {
     note(outputs.spindle_on ? "spindle on" : "spindle off");
   }
+  bool change_outputs(const hal::OutputChange& change) override {
+    if (change.flood) note(*change.flood ? "flood on" : "flood off");
+    return true;
+  }
   void quick_stop() override { note("quick stop"); }
   void stop_along_path() override { note("stop along path"); }
   void release_stop() override { note("release stop"); }

@@ -37,6 +37,32 @@ firmware::Outputs to_board(const Outputs& outputs) {
   return result;
 }
 
+firmware::OutputChange to_board(const OutputChange& change) {
+  firmware::OutputChange result;
+  const auto put_relay = [&](std::uint8_t bit, std::optional<bool> on) {
+    if (!on) return;
+    result.changed |= bit;
+    if (*on) result.on |= bit;
+  };
+  put_relay(firmware::OutputChange::kSpindleOn, change.spindle_on);
+  put_relay(firmware::OutputChange::kToolDirection, change.tool_direction);
+  put_relay(firmware::OutputChange::kMist, change.mist);
+  put_relay(firmware::OutputChange::kFlood, change.flood);
+  if (change.spindle_pwm) {
+    result.changed |= firmware::OutputChange::kSpindlePwm;
+    result.spindle_pwm = pwm_to_board(*change.spindle_pwm);
+  }
+  if (change.port) {
+    result.port = static_cast<std::uint8_t>(change.port->bit + 1);
+    result.port_on = change.port->on;
+  }
+  if (change.pwm) {
+    result.pwm = static_cast<std::uint8_t>(change.pwm->channel + 1);
+    result.pwm_value = pwm_to_board(change.pwm->value);
+  }
+  return result;
+}
+
 Outputs from_board(const firmware::Outputs& outputs) {
   Outputs result{.drives_enabled = outputs.drives_enabled,
                  .spindle_on = outputs.spindle_on,

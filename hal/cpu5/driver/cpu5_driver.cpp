@@ -236,7 +236,8 @@ firmware::Segment Cpu5Driver::to_board(const Segment& segment) {
   firmware::Segment result{.id = segment.id,
                            .duration = clock_.ticks_for(segment.duration),
                            .wait_for_index = segment.wait_for_index,
-                           .spindle_period = period_of(segment.spindle_speed)};
+                           .spindle_period = period_of(segment.spindle_speed),
+                           .change = cpu5::to_board(segment.change)};
   const bool refused = segment.spindle_speed != 0.0 && result.spindle_period == 0;
   if (refused) result.duration = 0;  // by the board, as every bad segment is
   for (const Axis axis : kAllAxes) {
@@ -250,7 +251,19 @@ firmware::Segment Cpu5Driver::to_board(const Segment& segment) {
 void Cpu5Driver::set_outputs(const Outputs& outputs) {
   asked().has_outputs = true;
   asked().outputs = cpu5::to_board(outputs);
+  asked().change = {};
   has_requests_ = true;
+}
+
+bool Cpu5Driver::change_outputs(const OutputChange& change) {
+  if (!asked().change.empty()) return false;
+  if (asked().has_outputs) {
+    firmware::apply(cpu5::to_board(change), asked().outputs);
+  } else {
+    asked().change = cpu5::to_board(change);
+  }
+  has_requests_ = true;
+  return true;
 }
 
 void Cpu5Driver::cut_behind(std::uint32_t id) {
@@ -287,6 +300,7 @@ void Cpu5Driver::release_stop() {
 void Cpu5Driver::clear_faults() {
   drop_segments();
   asked().has_outputs = false;
+  asked().change = {};
   asked().clear_faults = true;
   has_requests_ = true;
   clear_frame_ = port_->frames_sent() + 1;

@@ -46,6 +46,7 @@ class Cpu5Driver : public Controller {
   void cut_behind(std::uint32_t id) override;
 
   void set_outputs(const Outputs& outputs) override;
+  bool change_outputs(const OutputChange& change) override;
   void quick_stop() override;
   void stop_along_path() override;
   void release_stop() override;

@@ -52,7 +52,6 @@ class Core::HostCall {
 };
 
 Core::Core(BoardIo& io) : io_(io), player_(io) {
-  io_.set_outputs(outputs_);
   if (player_.inputs_now().estop()) fail(kEstop);
 }
 
@@ -78,8 +77,7 @@ void Core::host_left() {
   if (moving()) {
     host_heard_ = kHostGone;
   } else {
-    outputs_ = safe_outputs();
-    io_.set_outputs(outputs_);
+    player_.set_outputs(safe_outputs());
   }
 }
 
@@ -190,8 +188,14 @@ void Core::clear_faults() {
 bool Core::set_outputs(const Outputs& outputs) {
   const HostCall call(*this);
   if (faults_ != 0) return false;
-  outputs_ = outputs;
-  io_.set_outputs(outputs_);
+  player_.set_outputs(outputs);
+  return true;
+}
+
+bool Core::change_outputs(const OutputChange& change) {
+  const HostCall call(*this);
+  if (faults_ != 0) return false;
+  player_.change_outputs(change);
   return true;
 }
 
@@ -228,7 +232,7 @@ void Core::complete_stop() {
 void Core::stop_pulses() {
   player_.drop();
   executing_ = false;
-  waiting_for_index_ = false;
+  waiting_for_index_ = change_is_due_ = false;
   path_stop_ = PathStop::none;
   stop_is_planned_ = false;
   owed_ = 0;
@@ -251,12 +255,11 @@ void Core::fail(FaultBits fault) {
   stop_pulses();
   if ((faults_ & fault) == fault) return;
   faults_ = static_cast<FaultBits>(faults_ | fault);
-  outputs_ = safe_outputs();
-  io_.set_outputs(outputs_);
+  player_.set_outputs(safe_outputs());
 }
 
 Outputs Core::safe_outputs() const {
-  return {.drives_enabled = outputs_.drives_enabled && !setup_.drives_off_on_fault};
+  return {.drives_enabled = player_.outputs().drives_enabled && !setup_.drives_off_on_fault};
 }
 
 bool Core::under_way() const { return executing_ || !player_.idle(); }
@@ -285,7 +288,7 @@ Status Core::status() {
           .path_stop = path_stop_,
           .cut_late = cut_late_,
           .time_scale = time_scale_,
-          .outputs = outputs_};
+          .outputs = player_.outputs()};
 }
 
 }  // namespace cnc::hal::cpu5::firmware

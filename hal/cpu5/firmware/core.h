@@ -44,6 +44,9 @@
 // and then it is the fault kLinkLost. The FIFO has to hold what braking takes, or it runs dry
 // before.
 //
+// A segment may change outputs: at the tick at which it begins, as it is played. One that is
+// dropped by a cut, a stop or a fault has not begun and switches nothing.
+//
 // Every fault stops the pulses at once, empties the FIFO, makes the outputs safe, and holds until
 // clear_faults(): meanwhile segments and outputs are refused. Where the pulses stopped is where the
 // next segment starts.
@@ -93,6 +96,7 @@ class Core {
   void clear_faults();
   /// Refused while a fault is pending.
   bool set_outputs(const Outputs& outputs);
+  bool change_outputs(const OutputChange& change);
   void arm_latch(std::size_t axis, Edge edge);
   void disarm_latch(std::size_t axis);
   /// A probe that is active already is not waited for: the machine is stopped along its path
@@ -139,7 +143,8 @@ class Core {
   [[nodiscard]] TimeScale spindle_ratio() const;
   using Allowance = TimeScale (*)(const PathDerivatives&, StepAcceleration, TimeScale, Ticks);
   [[nodiscard]] TimeScale least_allowed(Allowance allowance, TimeScale change, Ticks length) const;
-  void plan_steps(Slice& slice, PathTime way);
+  PathTime plan_steps(Slice& slice, PathTime way);
+  void shorten(Slice& slice, PathTime made, PathTime way, TimeScale scale_before);
   void plan_piece(Slice& slice, PathTime made, PathTime piece);
   void add_axes(SliceSteps& steps, PathTime piece);
 
@@ -152,7 +157,6 @@ class Core {
   BoardIo& io_;
   SlicePlayer player_;
   Setup setup_;
-  Outputs outputs_;
   FaultBits faults_ = 0;
   std::atomic<bool> host_inside_ = false;  // one of its calls is under way
   std::atomic<bool> plan_put_off_ = false;
@@ -171,6 +175,7 @@ class Core {
 
   // What is planned, up to player_.planned_until().
   bool executing_ = false;
+  bool change_is_due_ = false;  // segment_'s, with its first slice
   std::uint8_t moving_axes_ = 0;
   Segment segment_;  // in execution, or the last executed
   PathTime elapsed_ = 0;

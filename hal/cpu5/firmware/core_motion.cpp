@@ -70,6 +70,7 @@ void Core::start_next_segment() {
   segment_ = fifo_.pop();
   fifo_ticks_ -= segment_.duration;
   executing_ = true;
+  change_is_due_ = true;
   elapsed_ = 0;
   start_position_ = position_;
   moving_axes_ = 0;
@@ -97,6 +98,9 @@ void Core::plan_slice() {
   slice.begin = player_.planned_until();
   slice.from = place();
   slice.step_count = 0;
+  const bool begins = change_is_due_ && !waiting_for_index_;
+  slice.change = begins ? segment_.change : OutputChange{};
+  change_is_due_ = change_is_due_ && !begins;
   const TimeScale scale_before = time_scale_;
   PathTime way = 0;
   if (owed_ > 0) {
@@ -108,7 +112,8 @@ void Core::plan_slice() {
     if (!waiting_for_index_) way = path_time_passing(slice.length);
   }
   slice.scale = waiting_for_index_ ? 0 : (scale_before + time_scale_) / 2;
-  plan_steps(slice, way);
+  const PathTime made = plan_steps(slice, way);
+  if (made < way) shorten(slice, made, way, scale_before);
   if (path_stop_ == PathStop::stopping && time_scale_ == 0) stop_is_planned_ = true;
   slice.to = place();
   const bool stands = !executing_ && start_velocity_ == kStandstill;
@@ -184,8 +189,9 @@ TimeScale Core::least_allowed(Allowance allowance, TimeScale change, Ticks lengt
 }
 
 // Each segment's own piece of the way is stepped by itself, so that a corner is not cut. A slice
-// that finds no segment for its whole way becomes shorter: the next one goes on without a pause.
-void Core::plan_steps(Slice& slice, PathTime way) {
+// that finds no segment for its whole way, or comes to one that switches outputs, becomes shorter:
+// the next one goes on without a pause.
+PathTime Core::plan_steps(Slice& slice, PathTime way) {
   PathTime made = 0;
   while (made < way) {
     if (!executing_) {
@@ -198,11 +204,21 @@ void Core::plan_steps(Slice& slice, PathTime way) {
     made += piece;
     if (piece == rest) finish_segment();
   }
-  if (made < way && slice.length > 0) slice.length = time_of(made, slice.scale);
+  return made;
 }
 
+void Core::shorten(Slice& slice, PathTime made, PathTime way, TimeScale scale_before) {
+  if (slice.length == 0) {
+    if (start_velocity_ != kStandstill) owed_ += way - made;
+    return;
+  }
+  slice.length = time_of(made, slice.scale);
+  time_scale_ = scale_before + (time_scale_ - scale_before) * made / way;
+}
+
+// Within the same slice.
 bool Core::next_follows() const {
-  return !stop_is_planned_ && !fifo_.empty() && !fifo_[0].wait_for_index;
+  return !stop_is_planned_ && !fifo_.empty() && !fifo_[0].wait_for_index && fifo_[0].change.empty();
 }
 
 void Core::plan_piece(Slice& slice, PathTime made, PathTime piece) {

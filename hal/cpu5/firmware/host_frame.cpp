@@ -47,6 +47,7 @@ void HostFrame::reset() {
 
 void HostFrame::drop_path_and_outputs() {
   has_outputs = false;
+  change = {};
   has_cut = false;
   segment_count = 0;
 }
@@ -62,6 +63,7 @@ void execute(const HostFrame& frame, Core& core) {
   }
   execute_probe(frame.probe, core);
   if (frame.has_outputs) core.set_outputs(frame.outputs);
+  if (!frame.change.empty()) core.change_outputs(frame.change);
   const std::uint32_t count =
       frame.segment_count < kSegmentsPerFrame ? frame.segment_count : kSegmentsPerFrame;
   const std::uint32_t before_cut = frame.has_cut ? frame.segments_before_cut : count;

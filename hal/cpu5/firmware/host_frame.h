@@ -5,8 +5,9 @@
 
 namespace cnc::hal::cpu5::firmware {
 
-/// A frame with six moving axes and all requests still fits a packet of the wire.
-inline constexpr std::uint32_t kSegmentsPerFrame = 15;
+/// A frame with six moving axes, changes of outputs and all requests still fits a packet of the
+/// wire.
+inline constexpr std::uint32_t kSegmentsPerFrame = 13;
 
 enum class LatchRequest : std::uint8_t { none, arm_activate, arm_release, disarm };
 enum class ProbeRequest : std::uint8_t { none, arm, disarm };
@@ -22,6 +23,7 @@ struct HostFrame {
   ProbeRequest probe = ProbeRequest::none;
   bool has_outputs = false;  ///< `outputs` counts; else they stay as they are
   Outputs outputs;
+  OutputChange change;  ///< at once, behind `outputs`; may be empty
   bool has_cut = false;
   std::uint32_t cut_behind = 0;           ///< id of the last segment to be kept
   std::uint32_t segments_before_cut = 0;  ///< of `segments`; the others belong to the new path

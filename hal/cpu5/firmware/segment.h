@@ -2,6 +2,7 @@
 #pragma once
 
 #include "hal/cpu5/firmware/fixed_point.h"
+#include "hal/cpu5/firmware/outputs.h"
 
 namespace cnc::hal::cpu5::firmware {
 
@@ -16,28 +17,10 @@ struct Segment {
   /// Ticks per revolution that it was planned for: it passes as much faster or slower as the
   /// spindle turns. 0 = as written, whatever the spindle does.
   std::uint32_t spindle_period = 0;
+  OutputChange change{};  ///< takes effect at the tick at which the segment begins
 };
 
-/// Digital ports, one bit each: AUX1 … AUX16, then eight of each of three I/O cards.
-using PortBits = std::uint64_t;
-inline constexpr std::size_t kPortCount = 40;
-inline constexpr std::size_t kPwmCount = 8;
 inline constexpr std::size_t kAnalogCount = 8;
-
-struct Outputs {
-  static constexpr std::uint32_t kFullPwm = 1U << 16;
-
-  bool drives_enabled = false;
-  bool spindle_on = false;
-  bool tool_direction = false;
-  std::uint32_t spindle_pwm = 0;  ///< 0 … kFullPwm
-  bool mist = false;
-  bool flood = false;
-  PortBits ports = 0;
-  std::array<std::uint32_t, kPwmCount> pwm{};  ///< 0 … kFullPwm
-
-  friend bool operator==(const Outputs&, const Outputs&) = default;
-};
 
 struct Inputs {
   static constexpr std::uint32_t kFullAnalog = 1U << 16;

@@ -29,6 +29,7 @@ struct Slice {
   PathPlace from{};
   PathPlace to{};
   TimeScale scale = kFullScale;  ///< mean of the slice
+  OutputChange change{};         ///< at its beginning
   bool goes_on = false;          ///< the axes move at its end: the next slice has to be there
   std::uint32_t step_count = 0;
   std::array<TimedStep, kMostSteps> steps;  ///< the first step_count, in the order of time

@@ -5,7 +5,9 @@
 
 namespace cnc::hal::cpu5::firmware {
 
-SlicePlayer::SlicePlayer(BoardIo& io) : io_(io), played_{.inputs = io.inputs(0)} {}
+SlicePlayer::SlicePlayer(BoardIo& io) : io_(io), played_{.inputs = io.inputs(0)} {
+  io_.set_outputs(outputs_);
+}
 
 // --- the step interrupt --------------------------------------------------------------------------
 
@@ -41,6 +43,18 @@ void SlicePlayer::enter_slice() {
   next_step_ = 0;
   played_.place = slice.from;
   sample_inputs(slice.begin);
+  if (halted_) return;
+  begun_ = read_ + 1;
+  if (!outputs_held_) switch_begun();
+}
+
+void SlicePlayer::switch_begun() {
+  for (; switched_ != begun_; ++switched_) {
+    const OutputChange& change = ring_[switched_ % kSlices].change;
+    if (change.empty()) continue;
+    apply(change, outputs_);
+    io_.set_outputs(outputs_);
+  }
 }
 
 // The inputs are looked at behind the last step of a tick: nothing moves between the others.
@@ -148,9 +162,36 @@ void SlicePlayer::drop() {
   std::atomic_signal_fence(std::memory_order_seq_cst);
   played_.place = place_now();
   entered_ = false;
-  read_ = written_.load();
+  read_ = begun_ = switched_ = written_.load();
   std::atomic_signal_fence(std::memory_order_seq_cst);
   halted_ = false;
+}
+
+template <typename Change>
+void SlicePlayer::switch_outputs(Change change) {
+  outputs_held_ = true;
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  change();
+  io_.set_outputs(outputs_);
+  std::atomic_signal_fence(std::memory_order_seq_cst);
+  outputs_held_ = false;
+  while (switched_ != begun_) {  // slices have begun meanwhile
+    outputs_held_ = true;
+    switch_begun();
+    outputs_held_ = false;
+  }
+}
+
+void SlicePlayer::set_outputs(const Outputs& outputs) {
+  switch_outputs([&] { outputs_ = outputs; });
+}
+
+void SlicePlayer::change_outputs(const OutputChange& change) {
+  switch_outputs([&] { apply(change, outputs_); });
+}
+
+Outputs SlicePlayer::outputs() const {
+  return undisturbed([this] { return outputs_; });
 }
 
 void SlicePlayer::arm_latch(std::size_t axis, Edge edge) {

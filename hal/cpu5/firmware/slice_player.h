@@ -1,10 +1,12 @@
 // The fast half of the core: plays planned slices. Each step leaves at its tick and is counted; an
 // armed latch looks at the inputs at each step, an estop is seen at the beginning of each slice.
+// The outputs are here too: a slice may change some of them as it begins.
 //
 // Who may interrupt whom, on a processor with one core: run_until() belongs to the step timer's
 // interrupt and may come in the middle of any other call; every other call belongs to the planning
 // side (core.h), of which one call never interrupts another. Between the two sides stand the ring
-// of slices, each index written by one side only, and flags of one byte.
+// of slices, each index written by one side only, and flags of one byte. The outputs are switched
+// by both: a slice that begins while the planning side is at them leaves its change to that side.
 #pragma once
 
 #include <atomic>
@@ -64,6 +66,11 @@ class SlicePlayer {
   void arm_probe();
   void disarm_probe() { played_.probe_latch.armed = false; }
 
+  /// At once. What slices change while it is being done comes behind it.
+  void set_outputs(const Outputs& outputs);
+  void change_outputs(const OutputChange& change);
+  [[nodiscard]] Outputs outputs() const;
+
   /// The inputs as they are at this moment.
   [[nodiscard]] Inputs inputs_now() const { return io_.inputs(time()); }
 
@@ -78,6 +85,9 @@ class SlicePlayer {
   [[nodiscard]] auto undisturbed(Read read) const;
 
   [[nodiscard]] const Slice& front() const { return ring_[read_ % kSlices]; }
+  template <typename Change>
+  void switch_outputs(Change change);
+  void switch_begun();
   void enter_slice();
   void make_steps(Ticks now);
   void leave_slice();
@@ -94,6 +104,11 @@ class SlicePlayer {
   std::atomic<std::uint32_t> runs_ = 0;
   std::atomic<bool> halted_ = false;
   std::atomic<FaultBits> alarms_ = 0;
+
+  Outputs outputs_;
+  std::atomic<bool> outputs_held_ = false;   // by the planning side
+  std::atomic<std::uint32_t> begun_ = 0;     // slices of the ring that have begun,
+  std::atomic<std::uint32_t> switched_ = 0;  // and those of them whose change has been made
 
   bool entered_ = false;  // the front slice is being played
   std::uint32_t next_step_ = 0;

@@ -10,6 +10,7 @@ using firmware::HostFrame;
 using firmware::Inputs;
 using firmware::kAxisCount;
 using firmware::LatchRequest;
+using firmware::OutputChange;
 using firmware::Outputs;
 using firmware::PathStop;
 using firmware::ProbeLatch;
@@ -78,6 +79,50 @@ void get_outputs(ByteReader& body, Outputs& outputs) {
       outputs.spindle_pwm <= Outputs::kFullPwm && (outputs.ports >> firmware::kPortCount) == 0;
   for (const std::uint32_t pwm : outputs.pwm) in_range = in_range && pwm <= Outputs::kFullPwm;
   if (!in_range) body.refuse();
+}
+
+// Of a change: what follows the bits of OutputChange::changed.
+constexpr std::uint8_t kChangeBits = (OutputChange::kSpindlePwm << 1) - 1;
+constexpr std::uint8_t kRelayBits = OutputChange::kSpindlePwm - 1;
+constexpr std::uint8_t kHasPort = 1U << 5;
+constexpr std::uint8_t kHasPwm = 1U << 6;
+constexpr std::uint8_t kPortOn = 1U << 7;
+
+void put_change(ByteWriter& body, const OutputChange& change) {
+  const std::uint8_t port = change.port != 0 ? kHasPort : std::uint8_t{0};
+  const std::uint8_t pwm = change.pwm != 0 ? kHasPwm : std::uint8_t{0};
+  body.put(static_cast<std::uint8_t>(change.changed | port | pwm));
+  body.put(change.on);
+  if ((change.changed & OutputChange::kSpindlePwm) != 0) body.put(change.spindle_pwm);
+  if (change.port != 0) {
+    body.put(static_cast<std::uint8_t>(change.port | (change.port_on ? kPortOn : 0)));
+  }
+  if (change.pwm == 0) return;
+  body.put(change.pwm);
+  body.put(change.pwm_value);
+}
+
+void get_change(ByteReader& body, OutputChange& change) {
+  change = {};
+  const auto bits = body.get<std::uint8_t>();
+  change.changed = bits & kChangeBits;
+  change.on = body.get<std::uint8_t>();
+  const std::uint8_t relays = bits & kRelayBits;
+  bool good = (bits >> 7) == 0 && (change.on | relays) == relays;
+  if ((bits & OutputChange::kSpindlePwm) != 0) change.spindle_pwm = body.get<std::uint32_t>();
+  if ((bits & kHasPort) != 0) {
+    const auto port = body.get<std::uint8_t>();
+    change.port = static_cast<std::uint8_t>(port & ~kPortOn);
+    change.port_on = (port & kPortOn) != 0;
+    good = good && change.port != 0 && change.port <= firmware::kPortCount;
+  }
+  if ((bits & kHasPwm) != 0) {
+    change.pwm = body.get<std::uint8_t>();
+    change.pwm_value = body.get<std::uint32_t>();
+    good = good && change.pwm != 0 && change.pwm <= firmware::kPwmCount;
+  }
+  good = good && change.spindle_pwm <= Outputs::kFullPwm && change.pwm_value <= Outputs::kFullPwm;
+  if (!good || change.empty()) body.refuse();
 }
 
 void put_inputs(ByteWriter& body, const Inputs& inputs) {
@@ -196,7 +241,8 @@ namespace {
 // A segment's first word: duration in the lower bits, these above.
 constexpr std::uint32_t kWaitForIndex = 1U << 31;
 constexpr std::uint32_t kHasSpindlePeriod = 1U << 30;
-constexpr std::uint32_t kDurationMask = kHasSpindlePeriod - 1;
+constexpr std::uint32_t kHasChange = 1U << 29;
+constexpr std::uint32_t kDurationMask = kHasChange - 1;
 
 /// What does not fit becomes a velocity that the board refuses.
 [[nodiscard]] std::int32_t narrowed(firmware::StepVelocity velocity) {
@@ -209,8 +255,10 @@ constexpr std::uint32_t kDurationMask = kHasSpindlePeriod - 1;
 void put_segment(ByteWriter& body, const Segment& segment, const Segment* before) {
   body.put(segment.id);
   body.put((segment.duration & kDurationMask) | (segment.wait_for_index ? kWaitForIndex : 0) |
-           (segment.spindle_period != 0 ? kHasSpindlePeriod : 0));
+           (segment.spindle_period != 0 ? kHasSpindlePeriod : 0) |
+           (segment.change.empty() ? 0 : kHasChange));
   if (segment.spindle_period != 0) body.put(segment.spindle_period);
+  if (!segment.change.empty()) put_change(body, segment.change);
   std::uint8_t written = 0;
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     const bool stands = before != nullptr && segment.velocity[axis] == 0 &&
@@ -232,6 +280,8 @@ void get_segment(ByteReader& body, Segment& segment, const Segment* before) {
   segment.wait_for_index = (word & kWaitForIndex) != 0;
   segment.spindle_period =
       (word & kHasSpindlePeriod) != 0 ? body.get<std::uint32_t>() : std::uint32_t{0};
+  segment.change = {};
+  if ((word & kHasChange) != 0) get_change(body, segment.change);
   const auto written = body.get<std::uint8_t>();
   if ((written >> kAxisCount) != 0 || (before == nullptr && written != (1U << kAxisCount) - 1)) {
     body.refuse();
@@ -257,10 +307,11 @@ void get_segment(ByteReader& body, Segment& segment, const Segment* before) {
 
 void put_frame(ByteWriter& body, const HostFrame& frame) {
   put_bits(body, frame.quick_stop, frame.clear_faults, frame.release_stop, frame.stop_along_path,
-           frame.has_outputs, frame.has_cut);
+           frame.has_outputs, frame.has_cut, !frame.change.empty());
   for (const LatchRequest request : frame.latch) body.put(static_cast<std::uint8_t>(request));
   body.put(static_cast<std::uint8_t>(frame.probe));
   if (frame.has_outputs) put_outputs(body, frame.outputs);
+  if (!frame.change.empty()) put_change(body, frame.change);
   if (frame.has_cut) {
     body.put(frame.cut_behind);
     body.put(static_cast<std::uint8_t>(frame.segments_before_cut));
@@ -272,11 +323,14 @@ void put_frame(ByteWriter& body, const HostFrame& frame) {
 }
 
 bool get_frame(ByteReader& body, HostFrame& frame) {
+  bool has_change = false;
   get_bits(body, frame.quick_stop, frame.clear_faults, frame.release_stop, frame.stop_along_path,
-           frame.has_outputs, frame.has_cut);
+           frame.has_outputs, frame.has_cut, has_change);
   for (LatchRequest& request : frame.latch) request = get_one_of<LatchRequest>(body, 4);
   frame.probe = get_one_of<ProbeRequest>(body, 3);
   if (frame.has_outputs) get_outputs(body, frame.outputs);
+  frame.change = {};
+  if (has_change) get_change(body, frame.change);
   frame.segments_before_cut = 0;
   if (frame.has_cut) {
     frame.cut_behind = body.get<std::uint32_t>();
