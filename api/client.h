@@ -89,6 +89,9 @@ class Client {
   [[nodiscard]] Result<Machine> machine() const;
   /// `reset`: start counting anew after this answer.
   [[nodiscard]] Result<LinkStatistics> link_statistics(bool reset = false) const;
+  /// Writes the last 30 s of the link to a file for `cncsim replay`; its path, on the server's
+  /// computer.
+  [[nodiscard]] Result<std::string> save_link_trace() const;
 
   // The state.
   [[nodiscard]] Result<MachineStatus> status() const;

@@ -1,4 +1,4 @@
-// How the link to the board is: once, or watched.
+// How the link to the board is: once, watched, or as a trace.
 #include <chrono>
 #include <cstdio>
 #include <fmt/format.h>
@@ -44,6 +44,16 @@ api::Result<ExitCode> watch_link(const Context& context, bool reset) {
   return ExitCode::interrupted;
 }
 
+api::Result<ExitCode> save_trace(const Context& context) {
+  const auto path = context.client.save_link_trace();
+  if (!path) return std::unexpected(path.error());
+  if (context.options.json)
+    fmt::print("{}\n", nlohmann::json{{"path", *path}}.dump());
+  else
+    fmt::print("{}\n", *path);
+  return ExitCode::ok;
+}
+
 }  // namespace
 
 void add_link_command(CLI::App& app, Task& task) {
@@ -51,7 +61,11 @@ void add_link_command(CLI::App& app, Task& task) {
   const auto options = std::make_shared<LinkOptions>();
   link.add_flag("--reset", options->reset, "Start counting anew afterwards");
   link.add_flag("--watch", options->watch, "Until Ctrl-C, once a second");
-  link.callback([&task, options] {
+  CLI::App& trace = *link.add_subcommand(
+      "trace", "Write the last 30 s of the link to a file for cncsim replay, and print its path");
+  trace.callback([&task] { task.action = save_trace; });
+  link.callback([&task, options, &trace] {
+    if (trace.parsed()) return;
     task.action = [options](const Context& context) -> api::Result<ExitCode> {
       if (options->watch) return watch_link(context, options->reset);
       return done(print_link(context, options->reset));

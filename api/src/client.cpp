@@ -64,6 +64,13 @@ Result<LinkStatistics> Client::link_statistics(bool reset) const {
                                impl_->options.call_timeout));
 }
 
+Result<std::string> Client::save_link_trace() const {
+  const auto saved = impl_->call(*impl_->system, &v1::System::Stub::SaveLinkTrace,
+                                 v1::SaveLinkTraceRequest(), impl_->options.call_timeout);
+  if (!saved) return std::unexpected(saved.error());
+  return saved->path();
+}
+
 Result<MachineStatus> Client::status() const {
   return converted(impl_->call(*impl_->status, &v1::Status::Stub::Get, v1::GetStatusRequest(),
                                impl_->options.call_timeout));

@@ -1,4 +1,4 @@
-// cncsim: runs and checks programs on a simulated machine in virtual time.
+// cncsim: runs and checks programs on a simulated machine, and replays traces, in virtual time.
 #include <CLI/CLI.hpp>
 #include <spdlog/spdlog.h>
 
@@ -49,6 +49,9 @@ int main(int argc, char** argv) {
   run->add_option("--scenario", run_options.scenario,
                   "How the virtual machine is built and what happens to it, docs/scenarios.md");
 
+  run->add_option("--trace", run_options.trace,
+                  "File of the last 30 s of the link to the board, for cncsim replay");
+
   CheckOptions check_options;
   CLI::App* check = app.add_subcommand("check", "Interprets a program and lists every error");
   add_common(*check, check_options);
@@ -66,10 +69,29 @@ int main(int argc, char** argv) {
                   "Show how far it has come, as on a terminal");
   check->footer("Ctrl-C ends the check with the report of what it has read.");
 
+  ReplayOptions replay_options;
+  CLI::App* replay =
+      app.add_subcommand("replay", "Shows a trace of the link and replays it on a virtual board");
+  replay
+      ->add_option("file", replay_options.file,
+                   "Trace: a file of the folder traces/ of a server's data, or of cncctl link "
+                   "trace")
+      ->required();
+  replay
+      ->add_option("--last", replay_options.last,
+                   "Lists the exchanges of so many seconds at the end")
+      ->check(CLI::Range(0.0, 3600.0));
+  replay->add_option("--csv", replay_options.csv, "CSV of every field of every exchange");
+  replay->add_flag("--json", replay_options.json, "Report as JSON");
+  replay->footer(
+      "Exit code 0: the virtual board does what was recorded, faults included; 1: it does not, or "
+      "nothing could be replayed.");
+
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     return app.exit(error) == 0 ? 0 : 2;
   }
+  if (replay->parsed()) return replay_command(replay_options);
   return run->parsed() ? run_command(run_options) : check_command(check_options);
 }

@@ -1,4 +1,4 @@
-// What cncsim's two commands have in common.
+// The commands of cncsim and what they have in common.
 #pragma once
 
 #include <expected>
@@ -28,6 +28,7 @@ struct SimInput {
 struct RunOptions : SimInput {
   std::filesystem::path record;    ///< CSV file, one row per millisecond
   std::filesystem::path scenario;  ///< how the machine is built and what happens to it
+  std::filesystem::path trace;     ///< of the link, for replay
 };
 struct CheckOptions : SimInput {
   std::filesystem::path canon;  ///< text file of canonical commands
@@ -36,14 +37,22 @@ struct CheckOptions : SimInput {
   bool progress = false;  ///< also where stderr is no terminal
 };
 
+struct ReplayOptions {
+  std::filesystem::path file;
+  double last = 0.0;          ///< s of the trace whose exchanges are listed
+  std::filesystem::path csv;  ///< every field of every exchange
+  bool json = false;
+};
+
 enum ExitCode : int { kGood = 0, kProgramFailed = 1, kBadInput = 2 };
 
 /// Prints the errors and answers kBadInput.
 ExitCode refuse(const config::Errors& errors);
 ExitCode refuse(const Error& error);
 
-/// Both print their report.
+/// All print their report.
 ExitCode run_command(const RunOptions& options);
 ExitCode check_command(const CheckOptions& options);
+ExitCode replay_command(const ReplayOptions& options);
 
 }  // namespace cnc::server

@@ -2,8 +2,10 @@
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
+#include "config/atomic_file.h"
 #include "server/cncsim/options.h"
 #include "server/cncsim/trajectory.h"
+#include "server/link/link_trace.h"
 #include "server/simulation/simulation.h"
 #include "server/simulation/virtual_bench.h"
 
@@ -107,6 +109,14 @@ void print_text(const config::MachineConfig& config, const Report& report) {
   }
 }
 
+Result<void> write_trace(const std::filesystem::path& path, const hal::trace::Ring& ring,
+                         const config::MachineConfig& config) {
+  hal::trace::About about = about_machine(config, {}, "virtual board of cncsim");
+  about.reason = "asked_for";
+  about.written = utc_text(std::chrono::system_clock::now());
+  return config::write_file_atomically(path, hal::trace::trace_bytes(about, ring.copy()));
+}
+
 }  // namespace
 
 ExitCode run_command(const RunOptions& options) {
@@ -129,10 +139,13 @@ ExitCode run_command(const RunOptions& options) {
   auto scenario = scenario_of(options.scenario, data->config);
   if (!scenario) return refuse(scenario.error());
   if (!scenario->machine.start) scenario->machine.start = Position{};
+  std::optional<hal::trace::Ring> trace;
+  if (!options.trace.empty()) trace.emplace();
   Simulation simulation(std::move(*data), {.machine = std::move(scenario->machine),
                                            .link = scenario->link,
                                            .events = std::move(scenario->events),
-                                           .period = kCycle});
+                                           .period = kCycle,
+                                           .trace = trace ? &*trace : nullptr});
   Machine& machine = simulation.machine();
   TrajectoryStatistics statistics{Position{}};
   machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) {
@@ -164,6 +177,9 @@ ExitCode run_command(const RunOptions& options) {
 
   if (recorder)
     if (auto finished = recorder->finish(); !finished) return refuse(finished.error());
+  if (trace)
+    if (auto written = write_trace(options.trace, *trace, config); !written)
+      return refuse(written.error());
   if (options.json)
     print_json(options, report);
   else

@@ -1,6 +1,6 @@
 // The folder that holds a machine's configuration and state: cnc.ini, parameters.txt, tools.txt,
-// macro.cnc, the operator's own user_macro.cnc, files/ for what programs write, and dialogPictures/
-// for the pictures that clients show with a program's question.
+// macro.cnc, the operator's own user_macro.cnc, files/ for what programs write, dialogPictures/ for
+// the pictures that clients show with a program's question, and traces/ of the link.
 //
 // A new folder is filled with the shipped files. One server at a time uses a folder: it holds a
 // lock that the system releases when the process ends, however it ends.

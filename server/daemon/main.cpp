@@ -14,9 +14,12 @@
 #include "hal/cpu5/driver/board_address.h"
 #include "hal/cpu5/driver/wire_port.h"
 #include "hal/sim/virtual_controller.h"
+#include "hal/trace/traced_controller.h"
 #include "server/daemon/data_folder.h"
 #include "server/daemon/link_thread.h"
 #include "server/daemon/task_thread.h"
+#include "server/daemon/trace_keeper.h"
+#include "server/link/link_trace.h"
 #include "server/rpc/grpc_server.h"
 #include "server/simulation/virtual_bench.h"
 #include "server/version.h"
@@ -27,6 +30,7 @@ namespace {
 constexpr std::chrono::microseconds kLinkPeriod{2000};
 constexpr std::chrono::microseconds kMachinePeriod{5000};
 constexpr std::chrono::seconds kStopTimeout{5};
+constexpr const char* kTraceFolder = "traces";
 
 struct Options {
   std::filesystem::path data = default_data_folder();
@@ -91,6 +95,7 @@ void stop_machine(TaskThread& executor, Machine& machine) {
 struct Board {
   std::unique_ptr<hal::Controller> controller;
   std::string name;
+  hal::cpu5::DriverSettings driver;
   std::function<void(bool)> press_estop{};
 };
 
@@ -105,7 +110,7 @@ Result<Board> make_virtual_board(const std::filesystem::path& scenario_file,
                                                  .link = scenario->link,
                                                  .events = std::move(scenario->events)});
   auto& machine = controller->machine();
-  return Board{std::move(controller), "virtual CPU5 board",
+  return Board{std::move(controller), "virtual CPU5 board", driver,
                [&machine](bool pressed) { machine.press_estop(pressed); }};
 }
 
@@ -121,7 +126,8 @@ Result<Board> make_board(const Options& options, const config::MachineConfig& co
   if (!channel) return std::unexpected(channel.error());
   const std::string name = "CPU5 board at " + (*channel)->name();
   auto port = std::make_unique<hal::cpu5::WirePort>(std::move(*channel), hal::cpu5::WireSettings{});
-  return Board{std::make_unique<hal::cpu5::Cpu5Driver>(config, driver, std::move(port)), name};
+  return Board{std::make_unique<hal::cpu5::Cpu5Driver>(config, driver, std::move(port)), name,
+               driver};
 }
 
 /// A board that is silent or busy may be there later: the link goes on trying.
@@ -147,10 +153,15 @@ int serve(const Options& options) {
 
   const Epoch epoch = std::chrono::steady_clock::now();
   MessageLog log;
-  Link link(std::move(board->controller));
+  hal::trace::Ring trace;
+  TraceKeeper trace_keeper(trace, log, about_machine(data->config, board->driver, board->name),
+                           {.folder = std::filesystem::absolute(options.data) / kTraceFolder});
+  Link link(std::make_unique<hal::trace::TracedController>(std::move(board->controller), trace));
   Machine machine(std::move(*data), link, log);
   if (machine.config().safety.shut_down_on_fatal)
     machine.set_loss_listener([] { ::kill(::getpid(), SIGTERM); });
+  machine.set_fault_listener(
+      [&](std::string_view reason) { trace_keeper.save_after_fault(reason); });
   TaskThread files;
   TaskThread fanout;
   TaskThread executor;
@@ -168,6 +179,7 @@ int serve(const Options& options) {
                  board->name,
                  link_thread.priority_refused().empty(),
                  std::chrono::duration<double>(kLinkPeriod).count(),
+                 [&](TraceKeeper::Answer answer) { trace_keeper.save_now(std::move(answer)); },
                  board->press_estop};
   std::vector<std::string> addresses = options.listen;
   addresses.insert(addresses.begin(), "unix://" + options.socket);
@@ -183,6 +195,7 @@ int serve(const Options& options) {
         memory_refused.empty() ? "locked" : memory_refused);
   executor.every(kMachinePeriod, [&] {
     machine.cycle(seconds_since(epoch));
+    note_state(trace, machine);
     return true;
   });
   for (std::size_t i = 1; i < addresses.size(); ++i)

@@ -105,6 +105,10 @@ class Machine {
   }
   /// Is called when the connection to the board is lost.
   void set_loss_listener(std::function<void()> listener) { loss_listener_ = std::move(listener); }
+  /// Is called with "estop", "link_lost", "board_reset" … when the board has stopped by itself.
+  void set_fault_listener(std::function<void(std::string_view)> listener) {
+    fault_listener_ = std::move(listener);
+  }
   /// The last so many setpoints were replaced before the board began them.
   void set_cut_listener(std::function<void(std::size_t)> listener) {
     feed_.set_cut_listener(std::move(listener));
@@ -151,6 +155,7 @@ class Machine {
   void take_board();
   void lose_board();
   void on_fault(hal::Faults faults);
+  void tell_fault(std::string_view name) const;
   void stop_at_once(Error error);
   void end_everything(Error error);
   void quick_stop();
@@ -205,6 +210,7 @@ class Machine {
   double reset_deadline_ = 0.0;
   bool shutting_down_ = false;
   std::function<void()> loss_listener_;
+  std::function<void(std::string_view)> fault_listener_;
 
   std::shared_ptr<const interp::Program> program_;
   std::string program_path_;

@@ -4,6 +4,7 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "hal/fault_names.h"
 #include "server/machine/machine.h"
 
 namespace cnc::server {
@@ -57,12 +58,14 @@ void Machine::take_board() {
   interpreter_.set_position(feed_.commanded());
   home_switches_ = board.inputs.home;
   if (is_back) log_.add(Severity::info, "The controller board is connected again.");
+  if (counts_lost && is_back) tell_fault("board_reset");
   if (counts_lost) lose_trust(TrustEvent::counts_lost, AxisArray<bool>::filled(true));
   enter(is_back && board.faults == 0 ? State::error : State::needs_reset);
 }
 
 /// What had been sent may have been executed while nothing was heard.
 void Machine::lose_board() {
+  tell_fault("link_lost");
   lose_trust(TrustEvent::link_lost, feed_.axes_under_way());
   io_.board_is_off();
   feed_.accept_board_position();
@@ -91,6 +94,7 @@ void Machine::watch_home_switches() {
 }
 
 void Machine::on_fault(hal::Faults faults) {
+  tell_fault(hal::fault_names(faults));
   const auto row = std::ranges::find_if(kFaultTexts, [&](const FaultText& text) {
     return (faults & static_cast<hal::Faults>(text.fault)) != 0;
   });
@@ -104,6 +108,10 @@ void Machine::on_fault(hal::Faults faults) {
                   known ? std::string(row->text)
                         : fmt::format("The board reports a fault that is not known ({}).", faults),
                   std::nullopt});
+}
+
+void Machine::tell_fault(std::string_view name) const {
+  if (fault_listener_) fault_listener_(name);
 }
 
 void Machine::stop_at_once(Error error) {

@@ -1,7 +1,6 @@
 // What the machine has to say: the last 1000 messages, numbered from 1.
 //
-// Owned by the executor; readers on other threads copy under a short lock that the real-time thread
-// never takes.
+// Any thread adds and reads, under a short lock that the real-time thread never takes.
 #pragma once
 
 #include <chrono>

@@ -31,7 +31,9 @@ struct Host {
   std::filesystem::path picture_folder;  ///< absolute; pictures of questions, for clients
   std::string controller_name;
   bool real_time = false;
-  double link_period = 0.0;                  ///< s
+  double link_period = 0.0;  ///< s
+  /// Any thread; the answer comes from a thread of its own.
+  std::function<void(std::function<void(const Result<std::filesystem::path>&)>)> save_trace;
   std::function<void(bool)> simulate_estop;  ///< any thread; empty on a real board
 };
 

@@ -100,6 +100,17 @@ class SystemService final : public v1::System::CallbackService {
     return answer(grpc::Status::OK);
   }
 
+  grpc::ServerUnaryReactor* SaveLinkTrace(grpc::CallbackServerContext*,
+                                          const v1::SaveLinkTraceRequest*,
+                                          v1::SaveLinkTraceResponse* response) override {
+    auto* call = new UnaryCall;
+    host_.save_trace([call, response](const Result<std::filesystem::path>& saved) {
+      if (saved) response->set_path(saved->string());
+      call->Finish(saved ? grpc::Status::OK : to_status(std::unexpected(saved.error())));
+    });
+    return call;
+  }
+
  private:
   Host& host_;
 };

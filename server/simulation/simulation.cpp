@@ -2,6 +2,8 @@
 
 #include <utility>
 
+#include "server/link/link_trace.h"
+
 namespace cnc::server {
 namespace {
 
@@ -17,19 +19,27 @@ std::unique_ptr<hal::sim::VirtualController> connected_controller(
   return controller;
 }
 
+std::unique_ptr<hal::Controller> traced(std::unique_ptr<hal::Controller> controller,
+                                        hal::trace::Ring* trace) {
+  if (trace == nullptr) return controller;
+  return std::make_unique<hal::trace::TracedController>(std::move(controller), *trace);
+}
+
 }  // namespace
 
 Simulation::Simulation(MachineData data, const SimulationOptions& options)
     : period_(options.period),
+      trace_(options.trace),
       controller_(connected_controller(data.config, options)),
       virtual_controller_(*controller_),
       virtual_machine_(controller_->machine()),
-      link_(std::move(controller_)),
+      link_(traced(std::move(controller_), trace_)),
       machine_(std::move(data), link_, log_) {}
 
 void Simulation::cycle() {
   link_.cycle(now_);
   machine_.cycle(now_);
+  if (trace_ != nullptr) note_state(*trace_, machine_);
   now_ += period_;
 }
 

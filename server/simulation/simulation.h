@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "hal/sim/virtual_controller.h"
+#include "hal/trace/traced_controller.h"
 #include "server/machine/machine.h"
 
 namespace cnc::server {
@@ -16,6 +17,8 @@ struct SimulationOptions {
   /// Virtual time between two cycles, s. Everything that has to be exact happens on the board's
   /// clock; this only has to be well below FifoTime.
   double period = 0.005;
+  /// What passes between link and board is recorded here; it outlives the simulation.
+  hal::trace::Ring* trace = nullptr;
 };
 
 class Simulation {
@@ -41,6 +44,7 @@ class Simulation {
 
  private:
   const double period_;
+  hal::trace::Ring* const trace_;
   MessageLog log_;
   std::unique_ptr<hal::sim::VirtualController> controller_;  // until the link takes it
   hal::sim::VirtualController& virtual_controller_;

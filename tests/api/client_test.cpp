@@ -369,6 +369,7 @@ TEST_CASE("The machine, its link and its program are described", "[api]") {
   CHECK(link->sessions == 2);
   CHECK(link->board_name == "a fake board");
   CHECK(link->board_serial == 77);
+  CHECK(client.save_link_trace() == "/data/traces/now.trace");
   CHECK(f.machine.has_seen("GetLinkStatistics reset"));
 
   const auto text = client.read_lines(5, 2);

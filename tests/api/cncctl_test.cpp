@@ -242,6 +242,18 @@ TEST_CASE("cncctl link shows the board, its packets and a bar for each bin",
   CHECK(json.at("board_serial") == 77);
 }
 
+TEST_CASE("cncctl link trace prints where the trace is, or why there is none", "[api][cncctl]") {
+  Fixture f;
+  CHECK(f.run({"link", "trace"}).out == "/data/traces/now.trace\n");
+  CHECK(nlohmann::json::parse(f.run({"link", "trace", "--json"}).out).at("path") ==
+        "/data/traces/now.trace");
+  CHECK_FALSE(f.machine.saw("GetLinkStatistics"));
+  CHECK_THAT(f.run({"link", "--help"}).out, Contains("trace") && Contains("--watch"));
+  CHECK_THAT(f.run({"completion", "bash"}).out, Contains("trace"));
+  refuse(f, "SaveLinkTrace");
+  CHECK(f.run({"link", "trace"}).exit_code == kRefused);
+}
+
 TEST_CASE("cncctl link --watch goes on until Ctrl-C and resets once", "[api][cncctl]") {
   Fixture f;
   Process process = f.start({"link", "--watch", "--reset", "--json"});

@@ -76,6 +76,11 @@ struct SystemService final : v1::System::Service {
     response->set_board_serial(77);
     return note_call(machine, "GetLinkStatistics", request->reset() ? "reset" : "");
   }
+  Status SaveLinkTrace(ServerContext*, const v1::SaveLinkTraceRequest*,
+                       v1::SaveLinkTraceResponse* response) override {
+    response->set_path("/data/traces/now.trace");
+    return note_call(machine, "SaveLinkTrace");
+  }
 };
 
 struct StatusService final : v1::Status::Service {

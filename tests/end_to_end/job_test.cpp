@@ -1,6 +1,8 @@
 // A job from the start of the server to its end, as an operator runs it and an observer sees it.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <filesystem>
 
 #include "tests/end_to_end/test_server.h"
 
@@ -130,6 +132,25 @@ TEST_CASE("A wrong line is shown before the run and named when the run gets ther
   CHECK(messages->back().error->name == "unknown_g_code");
   CHECK(messages->back().error->place->line == 3);
   CHECK(messages->back().error->place->file == folder.file("job.nc"));
+}
+
+TEST_CASE("An emergency stop leaves a trace of the link, and one is written when asked for",
+          "[LNK-4][e2e]") {
+  const ServerFolder folder;
+  RunningServer server(folder);
+  server.make_ready();
+  REQUIRE(server.client.simulate_estop(true));
+  REQUIRE(server.watcher.sees(MachineState::estop));
+  const auto asked = server.client.save_link_trace();
+  REQUIRE(asked);
+  CHECK_THAT(*asked, Catch::StartsWith(folder.data() + "/traces/"));
+  CHECK(std::filesystem::file_size(*asked) > 1000);
+  // The keeper does one thing after another: the fault's came first.
+  const auto messages = server.client.messages();
+  REQUIRE(messages);
+  CHECK(std::ranges::any_of(*messages, [](const Message& message) {
+    return message.text.find("_estop.trace") != std::string::npos;
+  }));
 }
 
 TEST_CASE("Emergency stop, refused reset, reset", "[STA-4][e2e]") {

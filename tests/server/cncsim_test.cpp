@@ -1,4 +1,5 @@
 // cncsim as a process: examples, real programs, the recording, and what it answers to bad input.
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <csignal>
@@ -61,6 +62,13 @@ std::vector<std::string> wide_machine() {
       arguments.push_back("AXIS_" + std::string(axis) + "." + limit);
     }
   return arguments;
+}
+
+json replay_json(const std::string& file, int expected) {
+  const Outcome outcome = cncsim({"replay", file, "--json"});
+  INFO(outcome.err << outcome.out);
+  REQUIRE(outcome.exit_code == expected);
+  return json::parse(outcome.out);
 }
 
 json run_json(const std::string& file, const std::vector<std::string>& more = {}) {
@@ -329,4 +337,57 @@ TEST_CASE("cncsim runs jobs that probe, ask and use the macro file", "[LNG-4][LN
   CHECK_THAT(messages, Contains("answer 1 7"));
   CHECK_THAT(messages, Contains("user_3 is free"));
   CHECK_THAT(messages, Contains("Axis Z is homed"));
+}
+
+TEST_CASE("cncsim replays the trace of a run and finds the same", "[cncsim][trace]") {
+  const ProgramFile program("G1 X50 Y0 F3000\nG2 X70 Y20 I20\nG0 X0 Y0\nM30\n");
+  const std::string trace = program.folder.file("run.trace").string();
+  REQUIRE(cncsim({"run", program.path(), "--trace", trace}).exit_code == kGood);
+  const json report = replay_json(trace, kGood);
+  CHECK(report["reason"] == "asked_for");
+  CHECK(report["replay"]["reproduced"] == true);
+  CHECK(report["replay"]["largest_deviation"].get<double>() < 2.0 / 200.0);
+
+  const std::string csv = program.folder.file("run.csv").string();
+  const Outcome shown = cncsim({"replay", trace, "--last", "0.1", "--csv", csv});
+  CHECK(shown.exit_code == kGood);
+  // Cycles of 20 ms: six exchanges, the first and the last counted.
+  CHECK_THAT(shown.out, Contains("REPRODUCED") && Contains("no fault") && Contains("-0.1000"));
+  CHECK_THAT(shown.out, !Contains("-0.1200 running"));
+  std::istringstream lines(content_of(csv));
+  std::string head;
+  std::getline(lines, head);
+  CHECK_THAT(head, Contains("segments_sent,now,frame") && Contains(",status.position.X,"));
+  std::size_t rows = 0;
+  for (std::string line; std::getline(lines, line); ++rows)
+    CHECK(std::ranges::count(line, ',') == std::ranges::count(head, ','));
+  CHECK(rows == report["exchanges"]);
+}
+
+TEST_CASE("cncsim replays a fault and says which and when", "[cncsim][trace][LNK-4]") {
+  const ProgramFile program("G1 X50 F3000\nX0\nM30\n");
+  const std::string scenario = program.folder.file("estop.toml").string();
+  put(scenario, "[[event]]\nwhen = { axis = \"X\", beyond = 20.0 }\naction = \"estop_press\"\n");
+  const std::string trace = program.folder.file("run.trace").string();
+  REQUIRE(cncsim({"run", program.path(), "--scenario", scenario, "--trace", trace}).exit_code ==
+          kJobFailed);
+  const json report = replay_json(trace, kGood);
+  CHECK(report["replay"]["faults"][0]["faults"] == "estop");
+  CHECK_THAT(cncsim({"replay", trace}).out, Contains("faults: estop"));
+}
+
+TEST_CASE("cncsim refuses what is no trace, and one that is not whole", "[cncsim][trace]") {
+  const ProgramFile program("G0 X1\nM30\n");
+  const Outcome none = cncsim({"replay", program.path()});
+  CHECK(none.exit_code == kBadInput);
+  CHECK_THAT(none.err, Contains("is no trace file") && Contains("E4201"));
+  CHECK(cncsim({"replay", program.folder.file("missing").string()}).exit_code == kBadInput);
+
+  const std::string trace = program.folder.file("run.trace").string();
+  REQUIRE(cncsim({"run", program.path(), "--trace", trace}).exit_code == kGood);
+  std::filesystem::resize_file(trace, std::filesystem::file_size(trace) - 100);
+  const Outcome cut = cncsim({"replay", trace});
+  CHECK(cut.exit_code == kBadInput);
+  CHECK_THAT(cut.err, Contains("ends in the middle") && Contains("E4202"));
+  CHECK_THAT(cncsim({"replay", "--help"}).out, Contains("--last") && Contains("--csv"));
 }

@@ -1,0 +1,362 @@
+// The fields of everything that a trace records, each named once. From these lists come the bytes
+// of a trace (encode), the way back (decode), the layout that stands in the file, and the columns
+// of a table: a new field is one line here.
+#pragma once
+
+#include <array>
+#include <bit>
+#include <bitset>
+#include <concepts>
+#include <cstring>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <type_traits>
+
+#include "hal/controller.h"
+#include "hal/trace/records.h"
+
+namespace cnc::hal::trace {
+
+static_assert(std::endian::native == std::endian::little,
+              "a trace is written as it lies in memory");
+
+template <typename S, typename T>
+concept Of = std::same_as<std::remove_const_t<S>, T>;
+
+// --- what a visitor gets to see: name and value of each field ------------------------------------
+
+template <typename V, Of<Segment> S>
+void visit_fields(V& v, S& s) {
+  v("id", s.id);
+  v("duration", s.duration);
+  v("position", s.position);
+  v("velocity", s.velocity);
+  v("wait_for_index", s.wait_for_index);
+  v("spindle_speed", s.spindle_speed);
+  v("change", s.change);
+}
+
+template <typename V, Of<OutputChange> S>
+void visit_fields(V& v, S& s) {
+  v("spindle_on", s.spindle_on);
+  v("tool_direction", s.tool_direction);
+  v("spindle_pwm", s.spindle_pwm);
+  v("mist", s.mist);
+  v("flood", s.flood);
+  v("port", s.port);
+  v("pwm", s.pwm);
+}
+
+template <typename V, Of<OutputChange::Port> S>
+void visit_fields(V& v, S& s) {
+  v("bit", s.bit);
+  v("on", s.on);
+}
+
+template <typename V, Of<OutputChange::Pwm> S>
+void visit_fields(V& v, S& s) {
+  v("channel", s.channel);
+  v("value", s.value);
+}
+
+template <typename V, Of<Outputs> S>
+void visit_fields(V& v, S& s) {
+  v("drives_enabled", s.drives_enabled);
+  v("spindle_on", s.spindle_on);
+  v("tool_direction", s.tool_direction);
+  v("spindle_pwm", s.spindle_pwm);
+  v("mist", s.mist);
+  v("flood", s.flood);
+  v("ports", s.ports);
+  v("pwm", s.pwm);
+}
+
+template <typename V, Of<Inputs> S>
+void visit_fields(V& v, S& s) {
+  v("home", s.home);
+  v("probe", s.probe);
+  v("sync", s.sync);
+  v("hand_wheel_a", s.hand_wheel_a);
+  v("hand_wheel_b", s.hand_wheel_b);
+  v("estop1", s.estop1);
+  v("estop2", s.estop2);
+  v("drive_alarm", s.drive_alarm);
+  v("external_error", s.external_error);
+  v("ports", s.ports);
+  v("analog", s.analog);
+  v("hand_wheel_count", s.hand_wheel_count);
+}
+
+template <typename V, Of<Latch> S>
+void visit_fields(V& v, S& s) {
+  v("armed", s.armed);
+  v("caught", s.caught);
+  v("position", s.position);
+}
+
+template <typename V, Of<ProbeLatch> S>
+void visit_fields(V& v, S& s) {
+  v("armed", s.armed);
+  v("caught", s.caught);
+  v("active_at_arming", s.active_at_arming);
+  v("position", s.position);
+}
+
+template <typename V, Of<BoardIdentity> S>
+void visit_fields(V& v, S& s) {
+  v("name", s.name);
+  v("serial", s.serial);
+}
+
+template <typename V, Of<PacketCounts> S>
+void visit_fields(V& v, S& s) {
+  v("sent", s.sent);
+  v("resent", s.resent);
+  v("answered", s.answered);
+  v("passed_over", s.passed_over);
+  v("corrupted", s.corrupted);
+}
+
+template <typename V, Of<ControllerStatus> S>
+void visit_fields(V& v, S& s) {
+  v("time", s.time);
+  v("connected", s.connected);
+  v("sessions", s.sessions);
+  v("counts_lost", s.counts_lost);
+  v("frames_done", s.frames_done);
+  v("faults", s.faults);
+  v("executing_id", s.executing_id);
+  v("executing_phase", s.executing_phase);
+  v("fifo_count", s.fifo_count);
+  v("fifo_time", s.fifo_time);
+  v("path_stop", s.path_stop);
+  v("cut_late", s.cut_late);
+  v("time_scale", s.time_scale);
+  v("moving", s.moving);
+  v("position", s.position);
+  v("inputs", s.inputs);
+  v("spindle_speed", s.spindle_speed);
+  v("spindle_index_count", s.spindle_index_count);
+  v("home_latch", s.home_latch);
+  v("probe_latch", s.probe_latch);
+  v("outputs", s.outputs);
+  v("board", s.board);
+  v("round_trip", s.round_trip);
+  v("packets", s.packets);
+}
+
+template <typename V, Of<Exchange> S>
+void visit_fields(V& v, S& s) {
+  v("now", s.now);
+  v("frame", s.frame);
+  v("machine_state", s.machine_state);
+  v("line", s.line);
+  v("status", s.status);
+}
+
+template <typename V, Of<CutBehind> S>
+void visit_fields(V& v, S& s) {
+  v("id", s.id);
+}
+
+template <typename V, Of<SetOutputs> S>
+void visit_fields(V& v, S& s) {
+  v("outputs", s.outputs);
+}
+
+template <typename V, Of<ChangeOutputs> S>
+void visit_fields(V& v, S& s) {
+  v("change", s.change);
+}
+
+template <typename V, Of<SetPosition> S>
+void visit_fields(V& v, S& s) {
+  v("axis", s.axis);
+  v("position", s.position);
+}
+
+template <typename V, Of<ArmHomeLatch> S>
+void visit_fields(V& v, S& s) {
+  v("axis", s.axis);
+  v("edge", s.edge);
+}
+
+template <typename V, Of<DisarmHomeLatch> S>
+void visit_fields(V& v, S& s) {
+  v("axis", s.axis);
+}
+
+template <typename V, typename S>
+requires std::is_empty_v<S>
+void visit_fields(V&, S&) {}
+
+inline constexpr std::array<std::string_view, 16> kOrdinals{
+    "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16"};
+
+template <typename V, typename T, std::size_t N>
+void visit_fields(V& v, std::array<T, N>& values) {
+  for (std::size_t i = 0; i < N; ++i) v(kOrdinals.at(i), values[i]);
+}
+template <typename V, typename T, std::size_t N>
+void visit_fields(V& v, const std::array<T, N>& values) {
+  for (std::size_t i = 0; i < N; ++i) v(kOrdinals.at(i), values[i]);
+}
+template <typename V, typename T>
+void visit_fields(V& v, AxisArray<T>& values) {
+  for (const Axis axis : kAllAxes) v(axis_name(axis), values[axis]);
+}
+template <typename V, typename T>
+void visit_fields(V& v, const AxisArray<T>& values) {
+  for (const Axis axis : kAllAxes) v(axis_name(axis), values[axis]);
+}
+
+/// What is unset has a value too, so that all records of a kind are of one size.
+template <typename V, typename T>
+void visit_fields(V& v, const std::optional<T>& value) {
+  const bool is_set = value.has_value();
+  const T plain = value.value_or(T{});
+  v("is_set", is_set);
+  v("value", plain);
+}
+template <typename V, typename T>
+void visit_fields(V& v, std::optional<T>& value) {
+  bool is_set = value.has_value();
+  T plain = value.value_or(T{});
+  v("is_set", is_set);
+  v("value", plain);
+  value = is_set ? std::optional<T>(plain) : std::nullopt;
+}
+
+// --- what becomes of the single values -----------------------------------------------------------
+
+template <typename T>
+inline constexpr bool kIsBits = false;
+template <std::size_t N>
+inline constexpr bool kIsBits<std::bitset<N>> = N <= 64;
+
+template <typename T>
+concept Leaf = std::is_arithmetic_v<T> || std::is_enum_v<T> || kIsBits<T>;
+
+/// Goes down to the leaves: Derived has leaf(name, value), and enter(name) and leave() around what
+/// has fields of its own.
+template <typename Derived>
+class FieldWalker {
+ public:
+  template <typename T>
+  void operator()(std::string_view name, T& value) {
+    Derived& self = static_cast<Derived&>(*this);
+    if constexpr (Leaf<std::remove_const_t<T>>) {
+      self.leaf(name, value);
+    } else {
+      self.enter(name);
+      visit_fields(self, value);
+      self.leave();
+    }
+  }
+  void enter(std::string_view) {}
+  void leave() {}
+};
+
+/// Real-time. What does not fit is not written, and overflow() tells.
+class Encoder : public FieldWalker<Encoder> {
+ public:
+  explicit Encoder(std::span<std::byte> memory) : memory_(memory) {}
+
+  template <typename T>
+  void leaf(std::string_view, const T& value) {
+    if constexpr (kIsBits<T>) {
+      put(std::uint64_t{value.to_ullong()});
+    } else {
+      put(value);
+    }
+  }
+  [[nodiscard]] std::size_t size() const { return size_; }
+  [[nodiscard]] bool overflow() const { return overflow_; }
+
+ private:
+  template <typename T>
+  void put(T value) {
+    overflow_ = overflow_ || memory_.size() - size_ < sizeof value;
+    if (overflow_) return;
+    std::memcpy(memory_.data() + size_, &value, sizeof value);
+    size_ += sizeof value;
+  }
+
+  std::span<std::byte> memory_;
+  std::size_t size_ = 0;
+  bool overflow_ = false;
+};
+
+/// Beyond the end, or where a value is none of its type, bad() tells.
+class Decoder : public FieldWalker<Decoder> {
+ public:
+  explicit Decoder(std::span<const std::byte> bytes) : bytes_(bytes) {}
+
+  template <typename T>
+  void leaf(std::string_view, T& value) {
+    if constexpr (kIsBits<T>) {
+      value = T(get<std::uint64_t>());
+    } else if constexpr (std::is_same_v<T, bool>) {
+      const auto byte = get<std::uint8_t>();
+      bad_ = bad_ || byte > 1;
+      value = byte == 1;
+    } else if constexpr (std::is_enum_v<T>) {
+      const auto number = get<std::underlying_type_t<T>>();
+      bad_ = bad_ || number > static_cast<std::underlying_type_t<T>>(last_of(T{}));
+      if (!bad_) value = static_cast<T>(number);
+    } else {
+      value = get<T>();
+    }
+  }
+  [[nodiscard]] bool bad() const { return bad_; }
+  [[nodiscard]] bool at_end() const { return place_ == bytes_.size(); }
+
+ private:
+  static constexpr Axis last_of(Axis) { return Axis::C; }
+  static constexpr PathStop last_of(PathStop) { return PathStop::stopped; }
+  static constexpr LatchEdge last_of(LatchEdge) { return LatchEdge::release; }
+
+  template <typename T>
+  [[nodiscard]] T get() {
+    T value{};
+    bad_ = bad_ || bytes_.size() - place_ < sizeof value;
+    if (bad_) return value;
+    std::memcpy(&value, bytes_.data() + place_, sizeof value);
+    place_ += sizeof value;
+    return value;
+  }
+
+  std::span<const std::byte> bytes_;
+  std::size_t place_ = 0;
+  bool bad_ = false;
+};
+
+/// Collects `text(name, value)` for each leaf, by its full name "status.position.X".
+template <typename Text>
+class FieldText : public FieldWalker<FieldText<Text>> {
+ public:
+  explicit FieldText(Text text) : text_(text) {}
+
+  void enter(std::string_view name) {
+    starts_.push_back(path_.size());
+    path_ += name;
+    path_ += '.';
+  }
+  void leave() {
+    path_.resize(starts_.back());
+    starts_.pop_back();
+  }
+  template <typename T>
+  void leaf(std::string_view name, const T& value) {
+    text_(path_ + std::string(name), value);
+  }
+
+ private:
+  Text text_;
+  std::string path_;
+  std::vector<std::size_t> starts_;
+};
+
+}  // namespace cnc::hal::trace

@@ -1,0 +1,289 @@
+#include "hal/trace/replay.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <utility>
+
+#include "config/ini_file.h"
+#include "hal/sim/virtual_controller.h"
+#include "hal/trace/replay_judge.h"
+#include "hal/trace/timeline.h"
+
+namespace cnc::hal::trace {
+namespace {
+
+constexpr double kCycle = 0.002;         // s, where nothing was recorded
+constexpr double kLongestPiece = 0.1;    // s, of a run-up
+constexpr double kShortestRunUp = 0.01;  // s
+constexpr double kPulse = 0.0002;        // s, of an input: two of the board's slices
+constexpr double kClockStart = 1.0;      // s, of the replay: a port's clock begins above 0
+
+// --- where to begin ------------------------------------------------------------------------------
+
+/// What the board has in its FIFO, as far as it was recorded.
+class FifoModel {
+ public:
+  void apply(const Request& request) {
+    if (const auto* segment = std::get_if<Segment>(&request)) segments_.push_back(*segment);
+    if (const auto* cut = std::get_if<CutBehind>(&request))
+      while (!segments_.empty() && segments_.back().id > cut->id) segments_.pop_back();
+    if (std::holds_alternative<QuickStop>(request) ||
+        std::holds_alternative<ClearFaults>(request) ||
+        std::holds_alternative<ReleaseStop>(request))
+      segments_.clear();
+  }
+  /// The one in execution and all behind it; empty if they are not all known.
+  [[nodiscard]] std::span<const Segment> from(const ControllerStatus& status) {
+    while (!segments_.empty() && segments_.front().id != status.executing_id &&
+           segments_.size() > status.fifo_count)
+      segments_.pop_front();
+    const bool known =
+        segments_.size() == status.fifo_count + 1 && segments_.front().id == status.executing_id;
+    contiguous_.assign(segments_.begin(), segments_.end());
+    return known ? std::span<const Segment>(contiguous_) : std::span<const Segment>{};
+  }
+
+ private:
+  std::deque<Segment> segments_;
+  std::vector<Segment> contiguous_;
+};
+
+struct Beginning {
+  std::size_t event = 0;
+  std::vector<Segment> path;  ///< the segment in execution and those behind it; empty at rest
+};
+
+bool is_quiet(const ControllerStatus& status) {
+  const bool latched =
+      status.probe_latch.armed || std::ranges::any_of(status.home_latch.values, &Latch::armed);
+  const bool faulty = status.faults != 0 && (status.faults != static_cast<Faults>(Fault::estop) ||
+                                             !status.inputs.estop());
+  return !latched && !faulty && status.path_stop == PathStop::none;
+}
+
+std::optional<Beginning> find_beginning(const Trace& trace, std::span<const Event> events) {
+  FifoModel fifo;
+  for (std::size_t i = 0; i < events.size(); ++i) {
+    const Step& step = trace.steps[events[i].step];
+    if (events[i].kind == Event::Kind::requests)
+      for (const Request& request : step.requests) fifo.apply(request);
+    const ControllerStatus& status = step.exchange.status;
+    if (events[i].kind != Event::Kind::compare || !is_quiet(status)) continue;
+    if (!status.moving && status.fifo_count == 0) return Beginning{i, {}};
+    const auto path = fifo.from(status);
+    if (path.empty() || status.time_scale != 1.0 || status.faults != 0) continue;
+    if (std::ranges::any_of(path, follows_spindle)) continue;
+    return Beginning{i, {path.begin(), path.end()}};
+  }
+  return std::nullopt;
+}
+
+// --- the virtual machine -------------------------------------------------------------------------
+
+/// Without travel: switches are driven as recorded, and nothing stands in the way.
+config::MachineConfig without_travel(config::MachineConfig config) {
+  for (const Axis axis : kAllAxes) {
+    config.axes[axis].negative_limit = config.axes[axis].positive_limit = 0.0;
+    config.axes[axis].home_velocity = 0.0;
+  }
+  return config;
+}
+
+void drive_inputs(sim::VirtualMachine& machine, const Inputs& inputs, std::int32_t& wheel) {
+  machine.press_estop(inputs.estop1);
+  machine.press_estop2(inputs.estop2);
+  machine.raise_external_error(inputs.external_error);
+  machine.stick_probe(inputs.probe);
+  for (const Axis axis : kAllAxes) {
+    machine.stick_switch(axis, sim::VirtualMotor::Switch::home, inputs.home[axis]);
+    machine.raise_drive_alarm(axis, inputs.drive_alarm[axis]);
+  }
+  for (std::size_t port = 0; port < inputs.ports.size(); ++port)
+    machine.set_port_input(port, inputs.ports[port]);
+  for (std::size_t i = 0; i < kAnalogCount; ++i) machine.set_analog_input(i, inputs.analog[i]);
+  machine.turn_hand_wheel(inputs.hand_wheel_count - std::exchange(wheel, inputs.hand_wheel_count));
+}
+
+struct Ask {
+  Controller& board;
+
+  void operator()(const Segment& segment) const { board.push({&segment, 1}); }
+  void operator()(const CutBehind& cut) const { board.cut_behind(cut.id); }
+  void operator()(const SetOutputs& set) const { board.set_outputs(set.outputs); }
+  void operator()(const ChangeOutputs& set) const { board.change_outputs(set.change); }
+  void operator()(const QuickStop&) const { board.quick_stop(); }
+  void operator()(const StopAlongPath&) const { board.stop_along_path(); }
+  void operator()(const ReleaseStop&) const { board.release_stop(); }
+  void operator()(const ClearFaults&) const { board.clear_faults(); }
+  void operator()(const SetPosition& set) const { board.set_position(set.axis, set.position); }
+  void operator()(const ArmHomeLatch& arm) const { board.arm_home_latch(arm.axis, arm.edge); }
+  void operator()(const DisarmHomeLatch& latch) const { board.disarm_home_latch(latch.axis); }
+  void operator()(const ArmProbeLatch&) const { board.arm_probe_latch(); }
+  void operator()(const DisarmProbeLatch&) const { board.disarm_probe_latch(); }
+};
+
+class Player {
+ public:
+  Player(const Trace& trace, std::span<const Event> events, const config::MachineConfig& config,
+         const Beginning& beginning)
+      : trace_(trace),
+        events_(events),
+        config_(config),
+        beginning_(beginning),
+        controller_(
+            sim::make_virtual_controller(without_travel(config), {.driver = trace.about.driver})) {}
+
+  [[nodiscard]] Result<std::vector<Seen>> play() {
+    if (auto connected = controller_->connect(); !connected)
+      return std::unexpected(connected.error());
+    beginning_.path.empty() ? take_over_at_rest() : take_over_in_motion();
+    for (const Event& event : events_.subspan(beginning_.event + 1)) perform(event);
+    return std::move(seen_);
+  }
+
+ private:
+  [[nodiscard]] double begin_time() const { return events_[beginning_.event].time; }
+  [[nodiscard]] const ControllerStatus& recorded() const {
+    return trace_.steps[events_[beginning_.event].step].exchange.status;
+  }
+  /// On the port's clock, which never goes back.
+  const ControllerStatus& exchange(double time) {
+    clock_ = std::max(clock_, time);
+    return controller_->exchange(controller_time());
+  }
+  [[nodiscard]] double controller_time() const { return clock_ - origin_ + kClockStart; }
+
+  /// A moment before, with inputs, outputs and positions as they were.
+  void set_scene(double time, const Position& position) {
+    origin_ = clock_ = time - 5.0 * kCycle;
+    drive_inputs(controller_->machine(), recorded().inputs, wheel_);
+    exchange(origin_);
+    for (const Axis axis : kAllAxes) controller_->set_position(axis, position[axis]);
+    controller_->set_outputs(recorded().outputs);
+    exchange(origin_ + kCycle);
+  }
+
+  void take_over_at_rest() {
+    set_scene(begin_time(), recorded().position);
+    compare_from_ = begin_time();
+    exchange(begin_time());
+  }
+
+  /// From a standstill with even acceleration, so that the end of the segment in execution is
+  /// reached in time and at its speed.
+  void take_over_in_motion() {
+    const Segment& first = beginning_.path.front();
+    const double rest = (1.0 - recorded().executing_phase) * first.duration;
+    double time = std::max(kShortestRunUp, rest + kCycle);
+    for (const Axis axis : kAllAxes)
+      if (const double limit = config_.axes[axis].acceleration; limit > 0.0)
+        time = std::max(time, std::abs(first.velocity[axis]) / limit);
+    const double end = begin_time() + rest;
+    const Position start = first.position - first.velocity * (0.5 * time);
+    set_scene(end - time, start);
+    exchange(end - time - kCycle);
+    const auto pieces = static_cast<std::uint32_t>(std::ceil(time / kLongestPiece));
+    for (std::uint32_t piece = 1; piece <= pieces; ++piece) {
+      const double part = static_cast<double>(piece) / pieces;
+      Ask{*controller_}(Segment{.id = first.id - pieces + piece,
+                                .duration = time / pieces,
+                                .position = start + first.velocity * (0.5 * time * part * part),
+                                .velocity = first.velocity * part});
+    }
+    for (const Segment& segment : std::span(beginning_.path).subspan(1)) Ask{*controller_}(segment);
+    for (double at = end - time; at < begin_time(); at += kCycle) exchange(at);
+    compare_from_ = end + kCycle;
+  }
+
+  void perform(const Event& event) {
+    const Step& step = trace_.steps[event.step];
+    switch (event.kind) {
+      case Event::Kind::inputs:
+        pass_time(event.time);
+        return drive_inputs(controller_->machine(), step.exchange.status.inputs, wheel_);
+      case Event::Kind::pulse:
+        return give_pulse(event.time, step.exchange.status.faults);
+      case Event::Kind::reset:
+        pass_time(event.time);
+        return controller_->board().reset();
+      case Event::Kind::cable_in:
+        controller_->trouble().cable_out = false;
+        return;
+      case Event::Kind::cable_out:
+        controller_->trouble().cable_out = true;
+        return;
+      case Event::Kind::requests:
+        for (const Request& request : step.requests) std::visit(Ask{*controller_}, request);
+        exchange(event.time);
+        return;
+      case Event::Kind::silence:
+        exchange(event.time);
+        return;
+      case Event::Kind::compare:
+        return see(event, exchange(event.time));
+    }
+  }
+  /// The board's alone: no packet that would tell it that its host is there.
+  void pass_time(double time) {
+    clock_ = std::max(clock_, time);
+    controller_->board().advance_to(controller_time());
+  }
+
+  /// Too short for a status to show it, long enough for the board.
+  void give_pulse(double time, Faults faults) {
+    pass_time(time);
+    sim::VirtualMachine& machine = controller_->machine();
+    const auto set = [&](bool on) {
+      if ((faults & static_cast<Faults>(Fault::estop)) != 0) machine.press_estop(on);
+      if ((faults & static_cast<Faults>(Fault::step_loss)) != 0)
+        machine.raise_drive_alarm(Axis::X, on);
+    };
+    set(true);
+    pass_time(time + kPulse);
+    set(false);
+  }
+
+  void see(const Event& event, const ControllerStatus& status) {
+    if (event.time < compare_from_) return;
+    seen_.push_back({.step = event.step,
+                     .faults = status.faults,
+                     .executing_id = status.executing_id,
+                     .path_stop = status.path_stop,
+                     .moving = status.moving,
+                     .position = status.position});
+  }
+
+  const Trace& trace_;
+  std::span<const Event> events_;
+  const config::MachineConfig& config_;
+  const Beginning& beginning_;
+  std::unique_ptr<sim::VirtualController> controller_;
+  std::int32_t wheel_ = 0;
+  double origin_ = 0.0;
+  double clock_ = 0.0;
+  double compare_from_ = 0.0;
+  std::vector<Seen> seen_;
+};
+
+}  // namespace
+
+Result<ReplayReport> replay(const Trace& trace) {
+  const auto config =
+      config::parse_machine_config(trace.about.config, "configuration of the trace");
+  if (!config) return std::unexpected(config.error().front());
+  const std::vector<Event> events = timeline_of(trace);
+  const auto beginning = find_beginning(trace, events);
+  if (!beginning)
+    return fail(ErrorCode::trace_cannot_begin,
+                "Nowhere in the trace does the board stand still, or is all of its FIFO known.");
+  auto seen = Player(trace, events, *config, *beginning).play();
+  if (!seen) return std::unexpected(seen.error());
+  ReplayReport report;
+  report.begin = events[beginning->event].step;
+  report.in_motion = !beginning->path.empty();
+  judge(trace, *seen, *config, report);
+  return report;
+}
+
+}  // namespace cnc::hal::trace

@@ -1,0 +1,132 @@
+#include "hal/trace/replay_judge.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+#include "hal/fault_names.h"
+
+namespace cnc::hal::trace {
+namespace {
+
+/// Statuses before and after, among which a recorded one has its like: delays of the line that
+/// nobody knows.
+constexpr std::size_t kSlack = 2;
+constexpr double kTolerance = 2.0;  // steps
+
+std::string_view text_of(PathStop stop) {
+  constexpr std::array<std::string_view, 3> kTexts{"none", "stopping", "stopped"};
+  return kTexts.at(static_cast<std::size_t>(stop));
+}
+
+class Judge {
+ public:
+  Judge(const Trace& trace, std::span<const Seen> seen, const config::MachineConfig& config)
+      : trace_(trace), seen_(seen), config_(config) {
+    for (const Step& step : trace.steps)
+      for (const Request& request : step.requests)
+        if (const auto* segment = std::get_if<Segment>(&request))
+          if (follows_spindle(*segment)) spindle_ids_.push_back(segment->id);
+    std::ranges::sort(spindle_ids_);
+  }
+
+  void judge(ReplayReport& report) {
+    bool following = false;
+    for (std::size_t i = 0; i < seen_.size(); ++i) {
+      const ControllerStatus& recorded = status(i);
+      note_fault(report, i);
+      following = std::ranges::binary_search(spindle_ids_, recorded.executing_id) ||
+                  (following && !both_at_rest(i));
+      if (following) {
+        ++report.following_spindle;
+        continue;
+      }
+      ++report.compared;
+      if (auto what = difference(i)) {
+        report.difference = Difference{seen_[i].step, std::move(*what)};
+        return;
+      }
+      for (const Axis axis : kAllAxes)
+        report.largest_deviation = std::max(
+            report.largest_deviation, std::abs(recorded.position[axis] - seen_[i].position[axis]));
+    }
+  }
+
+ private:
+  [[nodiscard]] const ControllerStatus& status(std::size_t i) const {
+    return trace_.steps[seen_[i].step].exchange.status;
+  }
+  [[nodiscard]] bool both_at_rest(std::size_t i) const {
+    return !status(i).moving && !seen_[i].moving && status(i).executing_id == seen_[i].executing_id;
+  }
+  void note_fault(ReplayReport& report, std::size_t i) const {
+    const Faults before = report.faults.empty() ? Faults{0} : report.faults.back().faults;
+    if (status(i).faults != before) report.faults.push_back({seen_[i].step, status(i).faults});
+  }
+  [[nodiscard]] std::span<const Seen> around(std::size_t i) const {
+    const std::size_t first = i - std::min(i, kSlack);
+    return seen_.subspan(first, std::min(seen_.size(), i + kSlack + 1) - first);
+  }
+
+  /// Of the recorded status from everything that was replayed around its moment. A fault explains
+  /// whatever else differs.
+  [[nodiscard]] std::optional<std::string> difference(std::size_t i) const {
+    const Faults faults = status(i).faults;
+    const Seen& seen = seen_[i];
+    const bool no_such_fault = none_has(i, &Seen::faults, faults);
+    std::optional<std::string> other = state_difference(i);
+    if (!other) other = place_difference(i);
+    if (no_such_fault || (other && faults != seen.faults))
+      return fmt::format("faults are {}, replayed {}", fault_names(faults),
+                         fault_names(seen.faults));
+    return other;
+  }
+
+  [[nodiscard]] std::optional<std::string> state_difference(std::size_t i) const {
+    const ControllerStatus& recorded = status(i);
+    if (none_has(i, &Seen::path_stop, recorded.path_stop))
+      return fmt::format("the stop along the path is {}, replayed {}", text_of(recorded.path_stop),
+                         text_of(seen_[i].path_stop));
+    const auto ids = std::ranges::minmax(around(i), {}, &Seen::executing_id);
+    if (recorded.executing_id < ids.min.executing_id ||
+        recorded.executing_id > ids.max.executing_id)
+      return fmt::format("segment {} is in execution, replayed {}", recorded.executing_id,
+                         seen_[i].executing_id);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<std::string> place_difference(std::size_t i) const {
+    for (const Axis axis : kAllAxes) {
+      const double recorded = status(i).position[axis];
+      const auto [low, high] = std::ranges::minmax(
+          around(i), {}, [axis](const Seen& seen) { return seen.position[axis]; });
+      const double steps = std::abs(config_.axes[axis].steps_per_unit);
+      const double tolerance = steps > 0.0 ? kTolerance / steps : 0.0;
+      if (recorded >= low.position[axis] - tolerance && recorded <= high.position[axis] + tolerance)
+        continue;
+      return fmt::format("{} is at {:.4f}, replayed {:.4f}", axis_name(axis), recorded,
+                         seen_[i].position[axis]);
+    }
+    return std::nullopt;
+  }
+
+  template <typename Member, typename Value>
+  [[nodiscard]] bool none_has(std::size_t i, Member member, Value value) const {
+    return std::ranges::none_of(around(i), [&](const Seen& seen) { return seen.*member == value; });
+  }
+
+  const Trace& trace_;
+  std::span<const Seen> seen_;
+  const config::MachineConfig& config_;
+  std::vector<std::uint32_t> spindle_ids_;
+};
+
+}  // namespace
+
+void judge(const Trace& trace, std::span<const Seen> seen, const config::MachineConfig& config,
+           ReplayReport& report) {
+  Judge(trace, seen, config).judge(report);
+}
+
+}  // namespace cnc::hal::trace

@@ -1,0 +1,36 @@
+#include "hal/trace/ring.h"
+
+#include <algorithm>
+
+namespace cnc::hal::trace {
+
+Ring::Ring(std::size_t words)
+    : mask_(std::bit_ceil(std::max<std::size_t>(words, 1024)) - 1),
+      words_(std::make_unique<std::atomic<std::uint64_t>[]>(mask_ + 1)) {}
+
+void Ring::append(std::span<const std::uint64_t> record) {
+  const std::uint64_t begin = end_.load(std::memory_order_relaxed);
+  const std::uint64_t end = begin + record.size();
+  std::uint64_t oldest = oldest_.load(std::memory_order_relaxed);
+  while (end - oldest > mask_ + 1)
+    oldest += RecordHead::from(at(oldest).load(std::memory_order_relaxed)).words();
+  oldest_.store(oldest, std::memory_order_relaxed);
+  for (std::uint64_t i = 0; i < record.size(); ++i)
+    at(begin + i).store(record[i], std::memory_order_release);
+  end_.store(end, std::memory_order_release);
+}
+
+std::vector<std::uint64_t> Ring::copy() const {
+  const std::uint64_t end = end_.load(std::memory_order_acquire);
+  const std::uint64_t begin = oldest_.load(std::memory_order_acquire);
+  if (begin >= end) return {};
+  std::vector<std::uint64_t> words;
+  words.reserve(end - begin);
+  for (std::uint64_t place = begin; place < end; ++place)
+    words.push_back(at(place).load(std::memory_order_acquire));
+  const std::uint64_t whole = std::min(oldest_.load(std::memory_order_acquire), end);
+  words.erase(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(whole - begin));
+  return words;
+}
+
+}  // namespace cnc::hal::trace
