@@ -106,6 +106,18 @@ Finding check_fifo_time(const MachineConfig& config, Axis) {
       std::nullopt};
 }
 
+/// A pulse and its pause, 1 % above the frequency as the board allows it.
+Finding check_pulse_width(const MachineConfig& config, Axis) {
+  const double period = 1e6 / (1.01 * config.connection.max_step_frequency);
+  if (2.0 * config.connection.pulse_width <= period) return std::nullopt;
+  return Error{ErrorCode::config_pulse_too_wide,
+               fmt::format("{} does not fit into a period of {} twice; allowed is {:.2f} µs.",
+                           shown(config, "CONNECTION", "pulseWidth"),
+                           shown(config, "CONNECTION", "maxStepFrequency"),
+                           std::floor(period * 50.0) / 100.0),
+               std::nullopt};
+}
+
 Finding check_spindle_range(const MachineConfig& config, Axis) {
   if (config.spindle.min_speed <= config.spindle.max_speed) return std::nullopt;
   return Error{ErrorCode::config_spindle_range,
@@ -133,6 +145,7 @@ struct MachineRule {
 };
 
 constexpr std::array kMachineRules{
+    MachineRule{"CONNECTION", {"pulseWidth", check_pulse_width}},
     MachineRule{"TRAJECTORY", {"fifoTime", check_fifo_time}},
     MachineRule{"SPINDLE_0", {"spindleNmin", check_spindle_range}},
 };

@@ -9,6 +9,21 @@
 namespace cnc::config {
 namespace {
 
+/// Without the comment at its end; in a value in quotes ; and # are letters.
+std::string_view without_comment(std::string_view line) {
+  constexpr std::string_view kSigns = ";#";
+  const auto equals = line.find('=');
+  const auto value =
+      equals == std::string_view::npos ? equals : line.find_first_not_of(" \t", equals + 1);
+  std::size_t from = 0;
+  if (value != std::string_view::npos && line[value] == '"' &&
+      line.find_first_of(kSigns) > equals) {
+    const auto closing = line.find('"', value + 1);
+    if (closing != std::string_view::npos) from = closing;
+  }
+  return line.substr(0, line.find_first_of(kSigns, from));
+}
+
 /// Reads line after line into a document.
 class Reader {
  public:
@@ -26,7 +41,7 @@ class Reader {
 
  private:
   void read_line(const TextLine& line) {
-    const auto content = trimmed(line.text.substr(0, line.text.find_first_of(";#")));
+    const auto content = trimmed(without_comment(line.text));
     if (content.empty()) return;
     if (content.starts_with('[')) {
       read_section(content, line);

@@ -37,7 +37,9 @@ struct AxisConfig {
   AxisMode mode = AxisMode::axis;
   std::int32_t port = 0;          ///< output port of the board, 1 … 6; 0 = not connected
   double steps_per_unit = 100.0;  ///< negative reverses the motor; mm or degree
-  double negative_limit = 0.0;    ///< machine coordinates
+  bool step_active_low = false;
+  bool direction_active_low = false;
+  double negative_limit = 0.0;  ///< machine coordinates
   double positive_limit = 0.0;
   double velocity = 50.0;       ///< per second
   double acceleration = 200.0;  ///< per second squared
@@ -45,8 +47,8 @@ struct AxisConfig {
   double backlash = 0.0;
   bool pitch_compensation = false;
   std::vector<PitchPoint> pitch_table{};  ///< of the file of its own (pitch_table.h); empty: none
-  double home_velocity = 0.0;           ///< signed: direction of the search; 0 = homed by hand
-  double home_position = 0.0;           ///< machine position where the home switch releases
+  double home_velocity = 0.0;             ///< signed: direction of the search; 0 = homed by hand
+  double home_position = 0.0;             ///< machine position where the home switch releases
 
   /// There is a motor.
   [[nodiscard]] bool connected() const { return port != 0; }
@@ -58,9 +60,14 @@ struct AxisConfig {
   friend bool operator==(const AxisConfig&, const AxisConfig&) = default;
 };
 
-/// LNK-3
+/// LNK-1, LNK-3: the controller board and the pulses that it makes.
 struct ConnectionConfig {
+  std::string board = "virtual";  ///< hal/cpu5/driver/board_address.h
+  double host_timeout = 0.1;      ///< s of silence after which a real board stops the machine
   std::int32_t max_step_frequency = 125'000;  ///< Hz; no axis may need more at its velocity
+  double pulse_width = 1.0;                   ///< µs; the pause behind it is as long at least
+  double direction_setup = 5.0;               ///< µs from a change of direction to the next pulse
+  double direction_hold = 5.0;  ///< µs from a pulse's beginning to a change of direction
 
   friend bool operator==(const ConnectionConfig&, const ConnectionConfig&) = default;
 };

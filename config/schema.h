@@ -4,15 +4,17 @@
 // cnc.ini, the setup pages, the API and docs/settings.md all work from this table. Adding a setting
 // is a member in machine_config.h and a row in settings_table.cpp.
 //
-// Every value, whatever its type, travels as a double in base units (mm, s, degree, rpm): a toggle
-// is 0 or 1, a choice is the value of one of its names. Only the texts of a file whose machine unit
-// is the inch hold inches.
+// Every value but a text travels as a double in base units (mm, s, degree, rpm; µs of
+// pulses): a toggle is 0 or
+// 1, a choice is the value of one of its names. Only a file whose machine unit is the inch holds
+// inches.
 #pragma once
 
 #include <cstdint>
 #include <span>
 #include <string>
 #include <string_view>
+#include <variant>
 
 #include "config/axis.h"
 #include "config/error.h"
@@ -20,7 +22,9 @@
 
 namespace cnc::config {
 
-enum class SettingType : std::uint8_t { number, integer, toggle, choice };
+enum class SettingType : std::uint8_t { number, integer, toggle, choice, text };
+
+using SettingValue = std::variant<double, std::string>;  ///< a string of a text only
 
 enum class SettingUnit : std::uint8_t {
   none,
@@ -35,6 +39,7 @@ enum class SettingUnit : std::uint8_t {
   degree_per_second3,
   steps_per_degree,
   second,
+  microsecond,
   rpm,
   hertz,
 };
@@ -47,8 +52,8 @@ struct Choice {
 
 /// How the value of a setting is read from and written to the configuration.
 struct SettingAccess {
-  double (*get)(const MachineConfig&, Axis);
-  void (*set)(MachineConfig&, Axis, double);
+  SettingValue (*get)(const MachineConfig&, Axis);
+  void (*set)(MachineConfig&, Axis, const SettingValue&);
 };
 
 struct Setting {
@@ -56,8 +61,8 @@ struct Setting {
   std::string_view key{};      ///< "stepsPerUnit"
   SettingType type = SettingType::number;
   SettingUnit unit = SettingUnit::none;
-  double min = 0.0;  ///< mm and degrees, whatever the machine unit
-  double max = 0.0;
+  double min = 0.0;                   ///< mm and degrees, whatever the machine unit
+  double max = 0.0;                   ///< of a text: the most bytes
   std::span<const Choice> choices{};  ///< of a choice only
   std::string_view help{};
   SettingAccess access{};
@@ -65,9 +70,13 @@ struct Setting {
   bool required_when_connected = false;
   Axis axis = Axis::X;  ///< of an axis' section
 
-  [[nodiscard]] double value(const MachineConfig& config) const { return access.get(config, axis); }
-  void assign(MachineConfig& config, double value) const { access.set(config, axis, value); }
-  [[nodiscard]] double default_value() const { return value(MachineConfig{}); }
+  [[nodiscard]] SettingValue value(const MachineConfig& config) const {
+    return access.get(config, axis);
+  }
+  void assign(MachineConfig& config, const SettingValue& value) const {
+    access.set(config, axis, value);
+  }
+  [[nodiscard]] SettingValue default_value() const { return value(MachineConfig{}); }
   /// "[AXIS_X] stepsPerUnit"
   [[nodiscard]] std::string name() const;
 };
@@ -86,12 +95,12 @@ struct Setting {
 
 /// The value that `text` stands for in a file with this machine unit; an error says what was read
 /// and what is allowed.
-[[nodiscard]] Result<double> parse_setting(const Setting& setting, std::string_view text,
-                                           MachineUnit machine_unit);
+[[nodiscard]] Result<SettingValue> parse_setting(const Setting& setting, std::string_view text,
+                                                 MachineUnit machine_unit);
 /// The text of a value in a file with this machine unit, as short as reads back the same.
-[[nodiscard]] std::string setting_text(const Setting& setting, double value,
+[[nodiscard]] std::string setting_text(const Setting& setting, const SettingValue& value,
                                        MachineUnit machine_unit);
-/// "a number from 0.001 to 10000 mm/s", "one of mm, inch", "0 or 1"
+/// "a number from 0.001 to 10000 mm/s", "one of mm, inch", "0 or 1", "a text of at most 80 bytes"
 [[nodiscard]] std::string allowed_text(const Setting& setting, MachineUnit machine_unit);
 
 /// The page docs/settings.md.

@@ -34,6 +34,7 @@ constexpr std::array kUnits{
     UnitInfo{SettingUnit::degree_per_second3, "°/s³", "°/s³", 0},
     UnitInfo{SettingUnit::steps_per_degree, "steps/°", "steps/°", 0},
     UnitInfo{SettingUnit::second, "s", "s", 0},
+    UnitInfo{SettingUnit::microsecond, "µs", "µs", 0},
     UnitInfo{SettingUnit::rpm, "rpm", "rpm", 0},
     UnitInfo{SettingUnit::hertz, "Hz", "Hz", 0},
 };
@@ -100,8 +101,26 @@ std::optional<double> parse_raw(const Setting& setting, std::string_view text) {
       return parse_toggle(text);
     case SettingType::choice:
       return parse_choice(setting, text);
+    case SettingType::text:
+      break;
   }
   return std::nullopt;
+}
+
+/// The text in quotes, or as it is; nothing if it has a quote or a control character inside.
+std::optional<std::string_view> parse_text(std::string_view text) {
+  const bool quoted = text.size() >= 2 && text.front() == '"' && text.back() == '"';
+  const auto content = quoted ? text.substr(1, text.size() - 2) : text;
+  const bool plain = std::ranges::none_of(
+      content, [](unsigned char c) { return c < 0x20 || c == 0x7f || c == '"'; });
+  return plain ? std::optional(content) : std::nullopt;
+}
+
+/// In quotes where blanks or a comment's sign would be lost without.
+std::string written_text(const std::string& text) {
+  const bool bare =
+      !text.empty() && trimmed(text) == text && text.find_first_of(";#") == std::string::npos;
+  return bare ? text : fmt::format("\"{}\"", text);
 }
 
 bool has_range(const Setting& setting) {
@@ -137,8 +156,15 @@ std::string_view unit_text(SettingUnit unit, MachineUnit machine_unit) {
   return machine_unit == MachineUnit::inch ? info_of(unit).inch : info_of(unit).metric;
 }
 
-Result<double> parse_setting(const Setting& setting, std::string_view text,
-                             MachineUnit machine_unit) {
+Result<SettingValue> parse_setting(const Setting& setting, std::string_view text,
+                                   MachineUnit machine_unit) {
+  if (setting.type == SettingType::text) {
+    const auto content = parse_text(text);
+    if (!content) return refuse(ErrorCode::config_bad_value, setting, text, machine_unit);
+    if (static_cast<double>(content->size()) > setting.max)
+      return refuse(ErrorCode::config_value_out_of_range, setting, text, machine_unit);
+    return std::string(*content);
+  }
   const auto raw = parse_raw(setting, text);
   if (!raw) return refuse(ErrorCode::config_bad_value, setting, text, machine_unit);
   if (!has_range(setting)) return *raw;
@@ -147,7 +173,10 @@ Result<double> parse_setting(const Setting& setting, std::string_view text,
   return *value;
 }
 
-std::string setting_text(const Setting& setting, double value, MachineUnit machine_unit) {
+std::string setting_text(const Setting& setting, const SettingValue& any,
+                         MachineUnit machine_unit) {
+  if (const auto* text = std::get_if<std::string>(&any)) return written_text(*text);
+  const double value = std::get<double>(any);
   if (setting.type == SettingType::choice) return choice_text(setting, value);
   const bool converted =
       machine_unit == MachineUnit::inch && info_of(setting.unit).length_power != 0;
@@ -157,6 +186,8 @@ std::string setting_text(const Setting& setting, double value, MachineUnit machi
 std::string allowed_text(const Setting& setting, MachineUnit machine_unit) {
   if (setting.type == SettingType::toggle) return "0 or 1";
   if (setting.type == SettingType::choice) return "one of " + choice_names(setting);
+  if (setting.type == SettingType::text)
+    return fmt::format("a text of at most {} bytes, in quotes if it has a ; or #", setting.max);
   const auto unit = unit_text(setting.unit, machine_unit);
   return fmt::format("{} from {:.7g} to {:.7g}{}{}",
                      setting.type == SettingType::integer ? "a whole number" : "a number",

@@ -2,6 +2,7 @@
 // six times, with the units of a rotary axis for A, B and C; those of rotary axes three times.
 #include <algorithm>
 #include <array>
+#include <type_traits>
 
 #include "config/schema.h"
 
@@ -12,32 +13,46 @@ using enum SettingType;
 using enum SettingUnit;
 
 template <typename Field>
-constexpr void assign_field(Field& field, double value) {
-  field = static_cast<Field>(value);
+SettingValue value_of(const Field& field) {
+  if constexpr (std::is_same_v<Field, std::string>) {
+    return field;
+  } else {
+    return static_cast<double>(field);
+  }
+}
+
+template <typename Field>
+void assign_field(Field& field, const SettingValue& value) {
+  if constexpr (std::is_same_v<Field, std::string>) {
+    field = std::get<std::string>(value);
+  } else {
+    field = static_cast<Field>(std::get<double>(value));
+  }
 }
 
 /// A member of an axis.
 template <auto Member>
-constexpr SettingAccess kOfAxis{[](const MachineConfig& config, Axis axis) {
-                                  return static_cast<double>(config.axes[axis].*Member);
-                                },
-                                [](MachineConfig& config, Axis axis, double value) {
-                                  assign_field(config.axes[axis].*Member, value);
-                                }};
+constexpr SettingAccess kOfAxis{
+    [](const MachineConfig& config, Axis axis) { return value_of(config.axes[axis].*Member); },
+    [](MachineConfig& config, Axis axis, const SettingValue& value) {
+      assign_field(config.axes[axis].*Member, value);
+    }};
 
 /// A member of one of the groups of the machine.
 template <auto Group, auto Member>
 constexpr SettingAccess kOf{
-    [](const MachineConfig& config, Axis) { return static_cast<double>((config.*Group).*Member); },
-    [](MachineConfig& config, Axis, double value) {
+    [](const MachineConfig& config, Axis) { return value_of((config.*Group).*Member); },
+    [](MachineConfig& config, Axis, const SettingValue& value) {
       assign_field((config.*Group).*Member, value);
     }};
 
 /// A member of the machine itself.
 template <auto Member>
 constexpr SettingAccess kOfMachine{
-    [](const MachineConfig& config, Axis) { return static_cast<double>(config.*Member); },
-    [](MachineConfig& config, Axis, double value) { assign_field(config.*Member, value); }};
+    [](const MachineConfig& config, Axis) { return value_of(config.*Member); },
+    [](MachineConfig& config, Axis, const SettingValue& value) {
+      assign_field(config.*Member, value);
+    }};
 
 constexpr std::array kUnitChoices{
     Choice{"mm", static_cast<double>(MachineUnit::millimetre)},
@@ -71,9 +86,24 @@ constexpr std::array kGeneralRows{
     Setting{.section = "USERINTERFACE", .key = "machineUnit", .type = choice, .choices = kUnitChoices,
             .help = "Unit of every length in this file and of the machine's screens; a program chooses its own with G20 and G21.",
             .access = kOfMachine<&MachineConfig::unit>},
+    Setting{.section = "CONNECTION", .key = "board", .type = text, .max = 200,
+            .help = "The controller board: virtual, auto (asks around), udp:172.22.2.100:5005 or serial:/dev/ttyACM0.",
+            .access = kOf<&MachineConfig::connection, &ConnectionConfig::board>},
+    Setting{.section = "CONNECTION", .key = "hostTimeout", .unit = second, .min = 0.02, .max = 10,
+            .help = "A real board that has not heard the server for so long stops the machine along its path; what is left of fifoTime has to suffice for that.",
+            .access = kOf<&MachineConfig::connection, &ConnectionConfig::host_timeout>},
     Setting{.section = "CONNECTION", .key = "maxStepFrequency", .type = choice, .unit = hertz, .choices = kStepFrequencyChoices,
             .help = "Highest step frequency that the board sends to a drive; lower it for drives that cannot follow.",
             .access = kOf<&MachineConfig::connection, &ConnectionConfig::max_step_frequency>},
+    Setting{.section = "CONNECTION", .key = "pulseWidth", .unit = microsecond, .min = 0.1, .max = 20,
+            .help = "Length of a step pulse, from the drive's data sheet; the pause behind it is as long at least.",
+            .access = kOf<&MachineConfig::connection, &ConnectionConfig::pulse_width>},
+    Setting{.section = "CONNECTION", .key = "directionSetup", .unit = microsecond, .min = 0, .max = 40,
+            .help = "A direction signal changes at least so long before the next step pulse.",
+            .access = kOf<&MachineConfig::connection, &ConnectionConfig::direction_setup>},
+    Setting{.section = "CONNECTION", .key = "directionHold", .unit = microsecond, .min = 0, .max = 40,
+            .help = "A direction signal stays at least so long after the beginning of a step pulse.",
+            .access = kOf<&MachineConfig::connection, &ConnectionConfig::direction_hold>},
 };
 
 constexpr std::array kAxisRows{
@@ -86,6 +116,12 @@ constexpr std::array kAxisRows{
     Setting{.key = "stepsPerUnit", .unit = steps_per_length, .min = -kFarthest, .max = kFarthest,
             .help = "Steps of the motor for one unit of travel; a negative number reverses the motor.",
             .access = kOfAxis<&AxisConfig::steps_per_unit>, .required_when_connected = true},
+    Setting{.key = "stepActiveLow", .type = toggle,
+            .help = "A step pulse is low; for a drive that is wired so.",
+            .access = kOfAxis<&AxisConfig::step_active_low>},
+    Setting{.key = "directionActiveLow", .type = toggle,
+            .help = "The direction signal is low for upwards; to reverse a motor make stepsPerUnit negative instead.",
+            .access = kOfAxis<&AxisConfig::direction_active_low>},
     Setting{.key = "positiveLimit", .unit = length, .min = -kFarthest, .max = kFarthest,
             .help = "Highest machine position that the axis may take.",
             .access = kOfAxis<&AxisConfig::positive_limit>, .required_when_connected = true},
@@ -261,6 +297,7 @@ constexpr SettingUnit rotary_unit(SettingUnit unit) {
     case degree_per_second3:
     case steps_per_degree:
     case second:
+    case microsecond:
     case rpm:
     case hertz:
       return unit;

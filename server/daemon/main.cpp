@@ -37,7 +37,7 @@ struct Options {
   std::filesystem::path config;
   std::filesystem::path jobs = std::filesystem::current_path();
   std::vector<std::string> settings;
-  std::string board = "virtual";
+  std::string board{};  // empty: as configured
   std::filesystem::path scenario;
   std::string socket;
   std::vector<std::string> listen{"127.0.0.1:50871"};
@@ -114,15 +114,16 @@ Result<Board> make_virtual_board(const std::filesystem::path& scenario_file,
                [&machine](bool pressed) { machine.press_estop(pressed); }};
 }
 
-/// A silent host is lost so soon that the rest of the FIFO suffices to brake along the path, s.
-constexpr double kHostTimeout = 0.1;
-
 Result<Board> make_board(const Options& options, const config::MachineConfig& config) {
   hal::cpu5::DriverSettings driver{.max_step_frequency =
                                        static_cast<double>(config.connection.max_step_frequency)};
-  if (options.board == "virtual") return make_virtual_board(options.scenario, config, driver);
-  driver.host_timeout = kHostTimeout;
-  auto channel = hal::cpu5::make_channel(options.board);
+  const std::string& address = options.board.empty() ? config.connection.board : options.board;
+  if (address == "virtual") return make_virtual_board(options.scenario, config, driver);
+  if (!options.scenario.empty())
+    return fail(ErrorCode::config_bad_value,
+                fmt::format("A scenario is for the virtual board only; the board is {}.", address));
+  driver.host_timeout = config.connection.host_timeout;
+  auto channel = hal::cpu5::make_channel(address);
   if (!channel) return std::unexpected(channel.error());
   const std::string name = "CPU5 board at " + (*channel)->name();
   auto port = std::make_unique<hal::cpu5::WirePort>(std::move(*channel), hal::cpu5::WireSettings{});
@@ -233,8 +234,8 @@ int main(int argc, char** argv) {
       ->check(CLI::ExistingDirectory)
       ->capture_default_str();
   app.add_option("--board", options.board,
-                 "Controller board: virtual (built in), auto, udp:HOST[:PORT] or serial:DEVICE")
-      ->capture_default_str();
+                 "Controller board instead of the configured one: virtual (built in), auto, "
+                 "udp:HOST[:PORT] or serial:DEVICE");
   app.add_option("--scenario", options.scenario,
                  "How the virtual machine is built and what happens to it, docs/scenarios.md")
       ->check(CLI::ExistingFile);

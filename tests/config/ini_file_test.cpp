@@ -297,3 +297,28 @@ TEST_CASE("Files that cannot be read are one error", "[CFG-1]") {
   REQUIRE(refused.error().size() == 1);
   CHECK(refused.error()[0].code == ErrorCode::file_not_found);
 }
+
+TEST_CASE("A text may stand in quotes, and has none inside", "[CFG-1][LNK-1]") {
+  const auto board = [](const std::string& value) {
+    return parse_machine_config("[CONNECTION]\nboard = " + value + "\n", "cnc.ini")
+        .value()
+        .connection.board;
+  };
+  CHECK(board("auto ; asks around") == "auto");
+  CHECK(board("\"auto ; asks around\"") == "auto ; asks around");
+  CHECK(board("\"a#b\"   # the comment") == "a#b");
+  CHECK(board("\"\"") == "");
+  check_refusal("[CONNECTION]\nboard = \"auto\n", ErrorCode::config_bad_value, 2,
+                {"[CONNECTION] board", "a text of at most 200 bytes"});
+  check_refusal("[CONNECTION]\nboard = a\"b\n", ErrorCode::config_bad_value, 2, {"board"});
+  check_refusal("[CONNECTION]\nboard = " + std::string(201, 'a') + "\n",
+                ErrorCode::config_value_out_of_range, 2, {"board"});
+}
+
+TEST_CASE("A pulse and its pause fit into a period of the highest step frequency",
+          "[CFG-1][LNK-3]") {
+  // 1 % above 400 kHz a period is 2.475 µs, two times 1.2376.
+  const std::string fast = "[CONNECTION]\nmaxStepFrequency = 400000\npulseWidth = ";
+  CHECK(parse_machine_config(fast + "1.23\n", "cnc.ini"));
+  check_refusal(fast + "1.24\n", ErrorCode::config_pulse_too_wide, 3, {"1.24 µs", "1.23 µs"});
+}

@@ -64,7 +64,13 @@ void check_equal(const MachineConfig& a, const MachineConfig& b, double relative
   for (const Setting& setting : settings()) {
     INFO(setting.name());
     CHECK(a.unit == b.unit);
-    CHECK(std::abs(setting.value(a) - setting.value(b)) <= relative * std::abs(setting.value(a)));
+    const SettingValue one = setting.value(a);
+    const SettingValue other = setting.value(b);
+    if (const auto* number = std::get_if<double>(&one)) {
+      CHECK(std::abs(*number - std::get<double>(other)) <= relative * std::abs(*number));
+    } else {
+      CHECK(one == other);
+    }
   }
 }
 
@@ -190,7 +196,9 @@ TEST_CASE("A value that a file cannot hold is refused, not replaced by another",
   MachineConfig not_a_number;
   not_a_number.unit = MachineUnit::inch;
   not_a_number.axes[Axis::X].backlash = std::numeric_limits<double>::quiet_NaN();
-  for (const MachineConfig& config : {odd_choice, not_a_number}) {
+  MachineConfig quote_inside;
+  quote_inside.connection.board = "auto\"";
+  for (const MachineConfig& config : {odd_choice, not_a_number, quote_inside}) {
     const auto refused = save_machine_config(directory.file("cnc.ini"), config);
     REQUIRE_FALSE(refused);
     CHECK(refused.error()[0].code == ErrorCode::config_bad_value);
@@ -218,4 +226,28 @@ TEST_CASE("A file that does not exist is created whole", "[CFG-1]") {
 TEST_CASE("Edits of one place keep their order and the rest of the text", "[CFG-1]") {
   CHECK(with_edits("abcdef", {{6, 0, "1"}, {2, 2, "X"}, {6, 0, "2"}, {0, 0, "<"}}) == "<abXef12");
   CHECK(with_edits("abc", {}) == "abc");
+}
+
+TEST_CASE("A text of two lines brings no second setting into the file", "[CFG-1][safety]") {
+  const test::TemporaryDirectory directory;
+  MachineConfig config;
+  config.connection.board = "auto\npulseWidth = 0.1";
+  CHECK_FALSE(save_machine_config(directory.file("cnc.ini"), config));
+  CHECK_FALSE(std::filesystem::exists(directory.file("cnc.ini")));
+}
+
+TEST_CASE("A text comes back as it was, whatever it holds", "[CFG-1]") {
+  for (const std::string text :
+       {"virtual", "", " serial:/dev/tty 1 ", "a;b#c", "[x]=y", "50 µm", "'x'"}) {
+    MachineConfig config;
+    config.connection.board = text;
+    const std::string written = machine_config_text(config);
+    INFO(written);
+    CHECK(parsed(written).connection.board == text);
+    // Changed in its place, with the comment behind it left alone.
+    const std::string old = "[CONNECTION]\nboard = \"old; text\" ; mine\n";
+    const std::string changed = machine_config_text(config, old);
+    CHECK(parsed(changed).connection.board == text);
+    CHECK(changed.ends_with(" ; mine\n"));
+  }
 }

@@ -13,7 +13,19 @@ namespace {
 
 double parsed(std::string_view section, std::string_view key, std::string_view text,
               MachineUnit unit) {
-  return parse_setting(*find_setting(section, key), text, unit).value();
+  return std::get<double>(parse_setting(*find_setting(section, key), text, unit).value());
+}
+
+/// Another value than the default, that a file may hold.
+SettingValue another_value(const Setting& setting) {
+  const SettingValue usual = setting.default_value();
+  if (setting.type == SettingType::text) return std::get<std::string>(usual) + "!";
+  if (setting.type == SettingType::toggle) return 1.0 - std::get<double>(usual);
+  if (!setting.choices.empty()) {
+    const bool first = usual == SettingValue{setting.choices[0].value};
+    return setting.choices[first ? 1 : 0].value;
+  }
+  return usual == SettingValue{setting.max} ? setting.min : setting.max;
 }
 
 std::string allowed(std::string_view section, std::string_view key, MachineUnit unit) {
@@ -36,7 +48,9 @@ TEST_CASE("Every row of the settings table is complete, and no name stands twice
     CHECK((setting.type == SettingType::choice) == !setting.choices.empty());
     const bool has_range =
         setting.type == SettingType::number || setting.type == SettingType::integer;
-    CHECK((setting.min < setting.max) == has_range);
+    const bool is_text = setting.type == SettingType::text;
+    CHECK((setting.min < setting.max) == (has_range || is_text));
+    CHECK(std::holds_alternative<std::string>(setting.default_value()) == is_text);
     CHECK(find_setting(setting.section, setting.key) == &setting);
   }
 }
@@ -50,12 +64,16 @@ TEST_CASE("Only A can carry the work piece of a mill", "[CFG-3]") {
 TEST_CASE("Every default is a value that its own file may hold", "[CFG-1]") {
   for (const MachineUnit unit : {kMm, kInch}) {
     for (const Setting& setting : settings()) {
-      const double value = setting.default_value();
+      const SettingValue value = setting.default_value();
       const auto text = setting_text(setting, value, unit);
       INFO(setting.name() << " = " << text);
       const auto read = parse_setting(setting, text, unit);
       REQUIRE(read);
-      CHECK(*read == Approx(value).epsilon(1e-15));
+      if (const auto* number = std::get_if<double>(&value)) {
+        CHECK(std::get<double>(*read) == Approx(*number).epsilon(1e-15));
+      } else {
+        CHECK(*read == value);
+      }
     }
   }
 }
@@ -68,13 +86,7 @@ TEST_CASE("Every setting changes its own member and no other", "[CFG-1]") {
   for (const Setting& setting : settings()) {
     INFO(setting.name());
     MachineConfig config;
-    const bool is_flag = setting.type == SettingType::toggle;
-    const double other = is_flag ? 1.0 - setting.default_value()
-                         : setting.choices.empty()
-                             ? (setting.default_value() == setting.max ? setting.min : setting.max)
-                         : setting.choices[0].value == setting.default_value()
-                             ? setting.choices[1].value
-                             : setting.choices[0].value;
+    const SettingValue other = another_value(setting);
     setting.assign(config, other);
     for (const Setting& row : settings()) {
       INFO(row.name());
@@ -88,8 +100,10 @@ TEST_CASE("Bounds are in, what lies beyond them is out, in either machine unit",
     for (const Setting& setting : settings()) {
       if (setting.type != SettingType::number) continue;
       INFO(setting.name());
-      CHECK(parse_setting(setting, setting_text(setting, setting.min, unit), unit) == setting.min);
-      CHECK(parse_setting(setting, setting_text(setting, setting.max, unit), unit) == setting.max);
+      CHECK(parse_setting(setting, setting_text(setting, setting.min, unit), unit) ==
+            SettingValue{setting.min});
+      CHECK(parse_setting(setting, setting_text(setting, setting.max, unit), unit) ==
+            SettingValue{setting.max});
       for (const double outside :
            {setting.min - 1e-6 * (1.0 + std::abs(setting.min)), setting.max * (1.0 + 1e-6)}) {
         const auto refused = parse_setting(setting, setting_text(setting, outside, unit), unit);
@@ -114,7 +128,7 @@ TEST_CASE("A length entered in inches is shown again as it was entered", "[CFG-4
   const Setting& limit = *find_setting("AXIS_X", "positiveLimit");
   for (int thousandths = -40'000; thousandths <= 40'000; thousandths += 7) {
     const std::string text = setting_text(limit, thousandths / 1000.0, kMm);
-    const double value = parse_setting(limit, text, kInch).value();
+    const SettingValue value = parse_setting(limit, text, kInch).value();
     REQUIRE(setting_text(limit, value, kInch) == text);
   }
 }
@@ -127,6 +141,9 @@ TEST_CASE("What is allowed is said in words of the machine's unit", "[CFG-1][CFG
   CHECK(allowed("AXIS_X", "velocity", kInch) == "a number from 3.937008e-05 to 393.7008 inch/s");
   CHECK(allowed("AXIS_C", "velocity", kInch) == "a number from 0.001 to 10000 °/s");
   CHECK(allowed("USERINTERFACE", "machineUnit", kMm) == "one of mm, inch");
+  CHECK(allowed("CONNECTION", "pulseWidth", kInch) == "a number from 0.1 to 20 µs");
+  CHECK(allowed("CONNECTION", "board", kMm) ==
+        "a text of at most 200 bytes, in quotes if it has a ; or #");
 }
 
 TEST_CASE("The page of the settings is the one that the table writes", "[CFG-1]") {

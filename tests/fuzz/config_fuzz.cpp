@@ -23,9 +23,10 @@ void require(bool condition) {
 }
 
 // In inches a value in mm may move by one rounding when it is written and read.
-bool is_same(double a, double b, MachineUnit unit) {
-  const double slack = unit == MachineUnit::inch ? 1e-15 : 0.0;
-  return std::abs(a - b) <= slack * std::abs(a);
+bool is_same(const SettingValue& one, const SettingValue& other, MachineUnit unit) {
+  const auto* a = std::get_if<double>(&one);
+  if (a == nullptr || unit == MachineUnit::millimetre) return one == other;
+  return std::abs(*a - std::get<double>(other)) <= 1e-15 * std::abs(*a);
 }
 
 void check_config(std::string_view text, const MachineConfig& config) {

@@ -270,3 +270,47 @@ TEST_CASE("The same job gives the same machine to the bit", "[hal]") {
   };
   CHECK(end_of_job() == end_of_job());
 }
+
+namespace {
+
+/// A board that takes everything and remembers how it was set up.
+class SetupCatcher : public cpu5::BoardPort {
+ public:
+  explicit SetupCatcher(cpu5::firmware::Setup& setup) : setup_(setup) {}
+  Result<cpu5::wire::Identity> open(const cpu5::firmware::Setup& setup) override {
+    setup_ = setup;
+    return cpu5::wire::Identity{.max_step_frequency = 500'000, .fifo_capacity = 256};
+  }
+  void close() override {}
+  [[nodiscard]] bool ready() const override { return true; }
+  void send(const cpu5::firmware::HostFrame&) override {}
+  [[nodiscard]] std::uint64_t frames_sent() const override { return 0; }
+  void quick_stop() override {}
+  void receive(double) override {}
+  const cpu5::BoardAnswer& exchange() override { return answer_; }
+
+ private:
+  cpu5::firmware::Setup& setup_;
+  cpu5::BoardAnswer answer_;
+};
+
+}  // namespace
+
+TEST_CASE("The pulses that the drives need are set up in the board", "[hal][LNK-3]") {
+  config::MachineConfig config = small_machine();
+  config.connection.pulse_width = 1.2;
+  config.connection.direction_setup = 3.25;
+  config.connection.direction_hold = 0.0;
+  config.axes[Axis::X].step_active_low = true;
+  config.axes[Axis::Z].step_active_low = true;
+  config.axes[Axis::Y].direction_active_low = true;
+  cpu5::firmware::Setup setup;
+  cpu5::Cpu5Driver driver(config, {}, std::make_unique<SetupCatcher>(setup));
+  REQUIRE(driver.connect());
+  // Ticks of 0.1 µs; X is the lowest bit.
+  CHECK(setup.pulse_width == 12);
+  CHECK(setup.direction_setup == 33);
+  CHECK(setup.direction_hold == 0);
+  CHECK(setup.step_inverted == 0b101);
+  CHECK(setup.direction_inverted == 0b010);
+}

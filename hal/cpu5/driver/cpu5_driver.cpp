@@ -28,6 +28,11 @@ firmware::StepVelocity max_velocity_for(const DriverSettings& settings) {
   return firmware::velocity_of_frequency(std::llround(limit));
 }
 
+std::uint16_t ticks_of_pulse(double microseconds) {
+  constexpr double kTicksPerMicrosecond = double{firmware::kTicksPerSecond} / 1e6;
+  return static_cast<std::uint16_t>(std::lround(microseconds * kTicksPerMicrosecond));
+}
+
 constexpr double kTicksPerMinute = 60.0 * double{firmware::kTicksPerSecond};
 
 // 0 for a speed that nothing can follow, and for what is not a number.
@@ -50,7 +55,10 @@ double phase_of(const firmware::Status& board) {
 
 Cpu5Driver::Cpu5Driver(const config::MachineConfig& config, const DriverSettings& settings,
                        std::unique_ptr<BoardPort> port)
-    : axes_(config.axes), settings_(settings), port_(std::move(port)) {
+    : axes_(config.axes),
+      connection_(config.connection),
+      settings_(settings),
+      port_(std::move(port)) {
   for (const Axis axis : kAllAxes) scales_[axis] = MotorScale(axes_[axis].steps_per_unit);
 }
 
@@ -78,11 +86,17 @@ firmware::Setup Cpu5Driver::setup() const {
       .max_velocity = max_velocity_for(settings_),
       .host_timeout = std::llround(settings_.host_timeout * double{firmware::kTicksPerSecond}),
       .index_timeout = std::llround(settings_.index_timeout * double{firmware::kTicksPerSecond}),
-      .drives_off_on_fault = settings_.drives_off_on_fault};
+      .drives_off_on_fault = settings_.drives_off_on_fault,
+      .pulse_width = ticks_of_pulse(connection_.pulse_width),
+      .direction_setup = ticks_of_pulse(connection_.direction_setup),
+      .direction_hold = ticks_of_pulse(connection_.direction_hold)};
   for (const Axis axis : kAllAxes) {
-    if (!axes_[axis].connected()) continue;
-    result.max_acceleration[index_of(axis)] =
-        scales_[axis].to_step_acceleration(axes_[axis].acceleration);
+    const config::AxisConfig& motor = axes_[axis];
+    const std::size_t i = index_of(axis);
+    if (motor.step_active_low) result.step_inverted |= firmware::axis_bit(i);
+    if (motor.direction_active_low) result.direction_inverted |= firmware::axis_bit(i);
+    if (motor.connected())
+      result.max_acceleration[i] = scales_[axis].to_step_acceleration(motor.acceleration);
   }
   return result;
 }

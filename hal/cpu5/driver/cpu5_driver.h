@@ -20,6 +20,7 @@
 
 namespace cnc::hal::cpu5 {
 
+/// Pulse times are those of the configuration's connection, polarities those of its axes.
 struct DriverSettings {
   double max_step_frequency = 400e3;  ///< Hz, at most 495 kHz; LNK-3
   double host_timeout = 0.5;   ///< s without exchange until the board stops the machine; 0 = never
@@ -92,6 +93,7 @@ class Cpu5Driver : public Controller {
   [[nodiscard]] Position position_of(const firmware::PerAxis<std::int64_t>& counts) const;
 
   AxisArray<config::AxisConfig> axes_;
+  config::ConnectionConfig connection_;
   DriverSettings settings_;
   std::unique_ptr<BoardPort> port_;
   AxisArray<MotorScale> scales_;
