@@ -32,7 +32,8 @@ struct Segment {
   /// Speed in rpm (1 … 1e6) that the segment was planned for: it passes as much faster or slower as
   /// the spindle is measured to turn, up to 1.25 times, changing no faster than the axes'
   /// configured acceleration allows. It and all that follows up to the next standstill must leave
-  /// that room below the maximum step frequency. A standing spindle holds it. 0 = as written.
+  /// that room below the maximum step frequency. A standing spindle holds it, for no longer than
+  /// the driver's time-out: then it is the fault index_missing. 0 = as written.
   double spindle_speed = 0.0;
   /// Takes effect at the very tick at which the segment begins, at its step; never, when the
   /// segment is dropped before it has begun.
@@ -54,16 +55,17 @@ using Faults = std::uint16_t;
 /// Every input as it was at the exchange: true is active, whatever the wiring. M56's numbers in
 /// brackets.
 struct Inputs {
-  AxisArray<bool> home{};                     ///< [51 … 56]
-  bool probe = false;                         ///< [61]
-  bool sync = false;                          ///< [62] the spindle's index pulse
-  bool hand_wheel_a = false;                  ///< [63]
-  bool hand_wheel_b = false;                  ///< [64]
-  bool estop1 = false;                        ///< [65] either estop is a fault by itself
-  bool estop2 = false;                        ///< [66]
-  AxisArray<bool> drive_alarm{};              ///< the axis' drive has lost steps, or is in a fault
-  bool external_error = false;                ///< [67] what to do about it is the host's part
-  Ports ports{};                              ///< AUX [1 … 16] and I/O cards [101 …]
+  AxisArray<bool> home{};         ///< [51 … 56]
+  bool probe = false;             ///< [61]
+  bool sync = false;              ///< [62] the spindle's index pulse
+  bool hand_wheel_a = false;      ///< [63]
+  bool hand_wheel_b = false;      ///< [64]
+  bool estop1 = false;            ///< [65] either estop is a fault by itself
+  bool estop2 = false;            ///< [66]
+  AxisArray<bool> drive_alarm{};  ///< the axis' drive has lost steps or is in a fault, or was since
+                                  ///< faults were cleared
+  bool external_error = false;    ///< [67] what to do about it is the host's part
+  Ports ports{};                  ///< AUX [1 … 16] and I/O cards [101 …]
   std::array<double, kAnalogCount> analog{};  ///< 0 … 1 of the input's range, [0] is input 1
   std::int32_t hand_wheel_count = 0;          ///< quarter steps of the wheel; wraps
 

@@ -295,6 +295,23 @@ TEST_CASE("A drive that begins to raise its alarm is a fault once", "[hal][LNK-4
   CHECK(rig.core.status().faults == kStepLoss);
 }
 
+TEST_CASE("Whose drive raised the alarm is known although the fault switches it off",
+          "[hal][LNK-4][safety]") {
+  Rig rig;
+  std::uint8_t alarm = 0;
+  rig.board.read_inputs = [&] { return Inputs{.alarm = alarm}; };
+  rig.push_run();
+  rig.core.advance(ticks(0.012));
+  alarm = axis_bit(1);
+  rig.core.advance(ticks(0.001));
+  alarm = 0;
+  rig.core.advance(ticks(0.1));
+  CHECK(rig.core.status().faults == kStepLoss);
+  CHECK(rig.core.status().inputs.alarm == axis_bit(1));
+  rig.core.clear_faults();
+  CHECK(rig.core.status().inputs.alarm == 0);
+}
+
 TEST_CASE("A host that speaks in time keeps the link, moving or not", "[hal][LNK-4]") {
   Setup setup = kFastBoard;
   setup.host_timeout = ticks(0.005);

@@ -180,6 +180,21 @@ TEST_CASE("A spindle far too fast is followed up to 1.25 times, a standing one h
   CHECK(rig.core.status().moving);
 }
 
+TEST_CASE("A spindle that stops for good under a following axis is a fault",
+          "[hal][LNK-6][safety]") {
+  Rig rig;
+  rig.period = period_at(600);
+  rig.measure_speed();
+  rig.push_run(600);
+  rig.run(1.0);
+  rig.period = 0;
+  rig.run(4.5);  // the time-out of 5 s begins when the spindle counts as standing
+  const auto held = rig.core.status().counts[0];
+  rig.core.advance(ticks(4.0));
+  CHECK(rig.core.status().faults == kIndexMissing);
+  CHECK(rig.core.status().counts[0] == held);
+}
+
 TEST_CASE("A change of the spindle's speed keeps the axis within its acceleration",
           "[hal][LNK-6]") {
   const double speed = GENERATE(700.0, 1240.0);

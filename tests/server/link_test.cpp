@@ -66,6 +66,18 @@ TEST_CASE("A quick stop overtakes everything, and what it dropped counts as done
   CHECK(f.recording.calls == Calls{"quick stop", "segment 101"});
 }
 
+TEST_CASE("What is asked for behind a quick stop is done, before the link has seen the stop too",
+          "[LNK-8][safety]") {
+  Fixture f;
+  REQUIRE(f.link.push(SetOutputs{{.spindle_on = true}}));
+  f.push_segments(1, 3);
+  f.link.quick_stop();
+  REQUIRE(f.link.push(SetOutputs{{.spindle_on = false}}));
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls == Calls{"quick stop", "spindle off"});
+  CHECK(f.link.status().items_done == f.link.pushed());
+}
+
 TEST_CASE("A cut overtakes the segments that it replaces and travels with the new ones",
           "[LNK-8][JOB-8]") {
   Fixture f;

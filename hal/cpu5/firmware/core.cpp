@@ -180,7 +180,7 @@ void Core::release_stop() {
 void Core::clear_faults() {
   const HostCall call(*this);
   stop_pulses();
-  player_.take_alarms();
+  player_.forget_alarms();
   faults_ = 0;
   if (player_.inputs_now().estop()) fail(kEstop);  // still pressed
 }
@@ -270,6 +270,8 @@ Status Core::status() {
   const HostCall call(*this);
   const Played played = player_.played();
   const Ticks planned_ahead = player_.idle() ? 0 : player_.planned_until() - played.time;
+  Inputs inputs = played.inputs;
+  inputs.alarm |= player_.alarmed_axes();
   const Ticks rest = executing_ ? segment_.duration - (elapsed_ >> kPathFractionBits) : 0;
   return {.time = played.time,
           .faults = faults_,
@@ -281,7 +283,7 @@ Status Core::status() {
           .queued_time = planned_ahead + rest + fifo_ticks_,
           .moving = moving(),
           .counts = played.counts,
-          .inputs = played.inputs,
+          .inputs = inputs,
           .spindle_period = spindle_.period(played.time),
           .home_latch = played.home_latch,
           .probe_latch = played.probe_latch,

@@ -133,6 +133,7 @@ class Core {
   void start_next_segment();
   void finish_segment();
   void plan_slice();
+  void watch_spindle(Ticks now);
   void wait_for_index();
   [[nodiscard]] bool next_follows() const;
   [[nodiscard]] Ticks slice_length() const;

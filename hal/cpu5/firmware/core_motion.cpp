@@ -37,6 +37,7 @@ void Core::plan_now() {
   if (const FaultBits alarms = player_.take_alarms(); alarms != 0) fail(alarms);
   const Played played = player_.played();
   spindle_.see(played.inputs.index_count, played.inputs.index_time);
+  watch_spindle(played.time);
   if (probe_awaited_ && played.probe_latch.caught) {
     probe_awaited_ = false;
     begin_stop();
@@ -47,6 +48,13 @@ void Core::plan_now() {
   while (!player_.full() && has_path()) plan_slice();
   if (stop_is_planned_ && player_.idle()) complete_stop();
   if (host_is_lost && path_stop_ == PathStop::stopped) fail(kLinkLost);
+}
+
+/// A spindle that does not turn holds what waits for it or follows it, but not for ever.
+void Core::watch_spindle(Ticks now) {
+  const bool follows = executing_ && segment_.spindle_period != 0;
+  if (!waiting_for_index_ && !(follows && spindle_.period(now) == 0)) wait_begin_ = now;
+  if (setup_.index_timeout > 0 && now - wait_begin_ > setup_.index_timeout) fail(kIndexMissing);
 }
 
 bool Core::host_silent() const {
@@ -75,10 +83,7 @@ void Core::start_next_segment() {
   start_position_ = position_;
   moving_axes_ = 0;
   waiting_for_index_ = segment_.wait_for_index;
-  if (waiting_for_index_) {
-    index_count_before_ = player_.played().inputs.index_count;
-    wait_begin_ = player_.time();
-  }
+  if (waiting_for_index_) index_count_before_ = player_.played().inputs.index_count;
   if (start_velocity_ == kStandstill) time_scale_ = scale_from_standstill();
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     const AxisMotion motion{.distance = segment_.position[axis] - start_position_[axis],
@@ -135,12 +140,7 @@ Ticks Core::slice_length() const {
 // What has passed since the pulse is path time already.
 void Core::wait_for_index() {
   const Played played = player_.played();
-  if (played.inputs.index_count == index_count_before_) {
-    const bool missing =
-        setup_.index_timeout > 0 && played.time - wait_begin_ > setup_.index_timeout;
-    if (missing) fail(kIndexMissing);
-    return;
-  }
+  if (played.inputs.index_count == index_count_before_) return;
   constexpr Ticks kMostOwed = 4 * kSliceTicks;
   waiting_for_index_ = false;
   time_scale_ = scale_from_standstill();

@@ -38,8 +38,9 @@ struct Inputs {
   std::int32_t hand_wheel_count = 0;                 ///< of the counting unit; wraps
   std::uint32_t index_count = 0;                     ///< spindle index pulses; wraps
   Ticks index_time = 0;                              ///< when the capture unit saw the last one
-  std::uint8_t alarm =
-      0;  ///< one bit per axis: its drive reports a lost step or a fault of its own
+  /// One bit per axis: its drive reports a lost step or a fault of its own. In Status also those
+  /// that have begun to since faults were cleared.
+  std::uint8_t alarm = 0;
 
   [[nodiscard]] bool estop() const { return estop1 || estop2; }
 };
@@ -84,7 +85,7 @@ inline constexpr std::uint16_t kMaxDirectionTicks = 400;
 struct Setup {
   StepVelocity max_velocity = 0;  ///< faster segments are refused; 1 … kTopVelocity
   Ticks host_timeout = 0;         ///< silence after which the link counts as lost; 0 = never
-  Ticks index_timeout = 0;        ///< for a segment that waits for the spindle's index; 0 = never
+  Ticks index_timeout = 0;        ///< without the spindle's index pulses, when they are waited for; 0 = never
   bool drives_off_on_fault = true;
   // The drives' pulses (pulse_shaper.h). A pulse and its pause take twice the width, which has to
   // fit into the period at max_velocity; direction times 0 … kMaxDirectionTicks.

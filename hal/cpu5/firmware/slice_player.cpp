@@ -94,9 +94,11 @@ void SlicePlayer::sample_inputs(Ticks now) {
   if (played_.probe_latch.armed && played_.inputs.probe) watch_probe();
   if (played_.inputs.estop()) raise(kEstop);
   // An alarm may last until the drives are switched off: only its beginning is a fault.
-  if ((played_.inputs.alarm & ~std::exchange(alarm_before_, played_.inputs.alarm)) != 0) {
-    raise(kStepLoss);
-  }
+  const auto begun = static_cast<std::uint8_t>(played_.inputs.alarm &
+                                               ~std::exchange(alarm_before_, played_.inputs.alarm));
+  if (begun == 0) return;
+  alarmed_axes_ |= begun;
+  raise(kStepLoss);
 }
 
 void SlicePlayer::watch_latch(std::size_t axis) {

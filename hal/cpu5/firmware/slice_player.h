@@ -60,6 +60,13 @@ class SlicePlayer {
 
   /// Faults seen since the last call. They have stopped the pulses already.
   FaultBits take_alarms() { return alarms_.exchange(0); }
+  /// Bits of the axes whose drives have begun to raise their alarm since forget_alarms(): the fault
+  /// may switch the drives off, and their alarms with them.
+  [[nodiscard]] std::uint8_t alarmed_axes() const { return alarmed_axes_; }
+  void forget_alarms() {
+    alarms_ = 0;
+    alarmed_axes_ = 0;
+  }
   void arm_latch(std::size_t axis, Edge edge);
   void disarm_latch(std::size_t axis) { played_.home_latch[axis].armed = false; }
   /// Not, if the probe is active already.
@@ -104,6 +111,7 @@ class SlicePlayer {
   std::atomic<std::uint32_t> runs_ = 0;
   std::atomic<bool> halted_ = false;
   std::atomic<FaultBits> alarms_ = 0;
+  std::atomic<std::uint8_t> alarmed_axes_ = 0;
 
   Outputs outputs_;
   std::atomic<bool> outputs_held_ = false;   // by the planning side
