@@ -13,6 +13,7 @@ packages_test=(
   catch2 xvfb xauth xdotool x11-apps
   gcc-arm-none-eabi libstdc++-arm-none-eabi-newlib qemu-system-arm
 )
+packages_load=(stress-ng)
 packages_lint=(clang-16 libclang-rt-16-dev clang-tidy-16 clang-format)
 
 # ensure_packages NAME...: one apt call for those that are missing, none if all are there.
