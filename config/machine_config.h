@@ -4,11 +4,14 @@
 // values are valid by construction when they come from load_machine_config() (ini_file.h).
 #pragma once
 
+#include <array>
+#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
 
 #include "config/axis.h"
+#include "config/guard_rule.h"
 
 namespace cnc::config {
 
@@ -157,6 +160,7 @@ struct MachineConfig {
   HeadOffset spindle_2;  ///< M92 M93
   HeadOffset probe;      ///< M95
   HeadOffset camera;     ///< M97
+  std::array<GuardRule, kGuardRules> guards{};  ///< card by card
 
   /// The axis that this motor moves: its own, or its master's.
   [[nodiscard]] Axis moved_by(Axis motor) const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <type_traits>
+#include <utility>
 
 #include "config/schema.h"
 
@@ -275,6 +276,77 @@ constexpr std::array kMotionRows{
 };
 // clang-format on
 
+// --- guard rules: eight of each of three I/O cards ------------------------------------------------
+
+/// "card_1_rule_1_inputParticipantBits"
+struct GuardKey {
+  std::array<char, 48> letters{};
+  std::size_t size = 0;
+
+  constexpr void add(std::string_view text) {
+    for (const char letter : text) letters[size++] = letter;
+  }
+  [[nodiscard]] constexpr std::string_view text() const { return {letters.data(), size}; }
+};
+
+constexpr std::size_t kSettingsOfGuard = 4;
+constexpr std::array<std::string_view, kSettingsOfGuard> kGuardKeys{
+    "text", "inputParticipantBits", "inputCompareBits", "action"};
+
+constexpr auto make_guard_names() {
+  std::array<std::array<GuardKey, kSettingsOfGuard>, kGuardRules> names{};
+  for (std::size_t rule = 0; rule < kGuardRules; ++rule) {
+    const std::array<char, 2> digits{static_cast<char>('1' + rule / kRulesPerCard),
+                                     static_cast<char>('1' + rule % kRulesPerCard)};
+    for (std::size_t i = 0; i < kSettingsOfGuard; ++i) {
+      GuardKey& name = names[rule][i];
+      name.add("card_");
+      name.add({&digits[0], 1});
+      name.add("_rule_");
+      name.add({&digits[1], 1});
+      name.add("_");
+      name.add(kGuardKeys[i]);
+    }
+  }
+  return names;
+}
+
+constexpr auto kGuardNames = make_guard_names();
+
+template <std::size_t Rule, auto Member>
+constexpr SettingAccess kOfGuard{
+    [](const MachineConfig& config, Axis) { return value_of(config.guards[Rule].*Member); },
+    [](MachineConfig& config, Axis, const SettingValue& value) {
+      assign_field(config.guards[Rule].*Member, value);
+    }};
+
+template <std::size_t Rule>
+constexpr std::array<Setting, kSettingsOfGuard> guard_rows() {
+  const auto& names = kGuardNames[Rule];
+  return {Setting{.section = "GPIO_RULES", .key = names[0].text(), .type = text, .max = 200,
+                  .help = "What the operator is told when the rule acts.",
+                  .access = kOfGuard<Rule, &GuardRule::text>},
+          Setting{.section = "GPIO_RULES", .key = names[1].text(), .type = integer, .max = 255,
+                  .help = "Inputs of the card that take part, the sum of 1 for input 1, 2 for input 2, 4 for input 3 to 128 for input 8; 0: the rule does nothing.",
+                  .access = kOfGuard<Rule, &GuardRule::participants>},
+          Setting{.section = "GPIO_RULES", .key = names[2].text(), .type = integer, .max = 255,
+                  .help = "Which of them have to be on, summed up like them; the others have to be off. The rule acts when all are so.",
+                  .access = kOfGuard<Rule, &GuardRule::compare>},
+          Setting{.section = "GPIO_RULES", .key = names[3].text(), .type = integer, .max = 3,
+                  .help = "0: nothing; 1: a warning; 2: the board stops the machine along its path; 3: at once, without a ramp, and axes that move may slip.",
+                  .access = kOfGuard<Rule, &GuardRule::action>}};
+}
+
+template <std::size_t... kRules>
+constexpr auto make_guard_rows(std::index_sequence<kRules...>) {
+  std::array<Setting, kSettingsOfGuard * kGuardRules> rows{};
+  auto out = rows.begin();
+  ((out = std::ranges::copy(guard_rows<kRules>(), out).out), ...);
+  return rows;
+}
+
+constexpr auto kGuardRows = make_guard_rows(std::make_index_sequence<kGuardRules>{});
+
 constexpr AxisArray<std::string_view> kAxisSections{
     {"AXIS_X", "AXIS_Y", "AXIS_Z", "AXIS_A", "AXIS_B", "AXIS_C"}};
 
@@ -316,7 +388,8 @@ constexpr Setting for_axis(Setting row, Axis axis) {
 
 constexpr auto expanded_table() {
   std::array<Setting, kGeneralRows.size() + kAxisCount * kAxisRows.size() +
-                          kRotaryAxes.size() * kRotaryRows.size() + kMotionRows.size()>
+                          kRotaryAxes.size() * kRotaryRows.size() + kMotionRows.size() +
+                          kGuardRows.size()>
       table{};
   auto out = std::ranges::copy(kGeneralRows, table.begin()).out;
   for (const Axis axis : kAllAxes) {
@@ -324,7 +397,8 @@ constexpr auto expanded_table() {
     if (!is_rotary(axis)) continue;
     for (const Setting& row : kRotaryRows) *out++ = for_axis(row, axis);
   }
-  std::ranges::copy(kMotionRows, out);
+  out = std::ranges::copy(kMotionRows, out).out;
+  std::ranges::copy(kGuardRows, out);
   return table;
 }
 

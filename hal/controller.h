@@ -13,6 +13,7 @@
 
 #include "config/axis.h"
 #include "config/error.h"
+#include "config/guard_rule.h"
 #include "hal/outputs.h"
 
 namespace cnc::hal {
@@ -49,6 +50,7 @@ enum class Fault : std::uint16_t {
   link_lost = 1 << 3,
   index_missing = 1 << 4,  ///< the spindle's index pulse did not come
   step_loss = 1 << 5,      ///< a drive has begun to raise its alarm: inputs.drive_alarm
+  guard_stop = 1 << 6,     ///< a guard rule of an I/O card wanted a quick stop
 };
 using Faults = std::uint16_t;
 
@@ -133,6 +135,9 @@ struct ControllerStatus {
   AxisArray<Latch> home_latch{};
   ProbeLatch probe_latch{};
   Outputs outputs{};
+  /// How often each guard rule of the configuration has become true in this session; wraps. A
+  /// smooth stop that it wanted shows as path_stop, whether or not anything moved.
+  std::array<std::uint8_t, config::kGuardRules> guard_counts{};
   BoardIdentity board{};    ///< that it was last connected to
   double round_trip = 0.0;  ///< s from a request to its answer, the newest that has come
   PacketCounts packets{};

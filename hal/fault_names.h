@@ -17,6 +17,7 @@ inline constexpr std::array kFaultNames{
     FaultName{Fault::fifo_underrun, "fifo_underrun"}, FaultName{Fault::estop, "estop"},
     FaultName{Fault::bad_segment, "bad_segment"},     FaultName{Fault::link_lost, "link_lost"},
     FaultName{Fault::index_missing, "index_missing"}, FaultName{Fault::step_loss, "step_loss"},
+    FaultName{Fault::guard_stop, "guard_stop"},
 };
 
 /// "estop, link_lost"; "none".

@@ -156,6 +156,8 @@ class Machine {
   void lose_board();
   void on_fault(hal::Faults faults);
   void tell_fault(std::string_view name) const;
+  void watch_guards();
+  void obey_guard();
   void stop_at_once(Error error);
   void end_everything(Error error);
   void quick_stop();
@@ -198,6 +200,8 @@ class Machine {
   std::uint64_t sequence_ = 0;
   PositionTrust trust_;
   std::uint32_t session_ = 0;        // with the board; 0: it was never there
+  std::array<std::uint8_t, config::kGuardRules> guard_counts_{};  // of it, as seen
+  std::optional<Error> guard_stop_;  // why the board stops, until it stands
   AxisArray<bool> home_switches_{};  // as seen in the last cycle
   std::vector<Waiter> waiters_;
   std::vector<std::pair<StateSaver::Ticket, Completion>> waiting_for_disk_;

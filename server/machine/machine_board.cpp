@@ -16,6 +16,14 @@ struct FaultText {
   std::string_view text;
 };
 
+Error error_of_guard(std::size_t number, const config::GuardRule& rule) {
+  return {ErrorCode::guard_stop,
+          fmt::format("I/O card {}, rule {}: {}", number / config::kRulesPerCard + 1,
+                      number % config::kRulesPerCard + 1,
+                      rule.text.empty() ? "its inputs are as the rule says." : rule.text),
+          std::nullopt};
+}
+
 constexpr std::array kFaultTexts{
     FaultText{hal::Fault::estop, ErrorCode::estop_pressed, "Emergency stop is pressed."},
     FaultText{hal::Fault::fifo_underrun, ErrorCode::motion_fault,
@@ -24,6 +32,8 @@ constexpr std::array kFaultTexts{
               "The board refused a motion segment."},
     FaultText{hal::Fault::step_loss, ErrorCode::motion_fault,
               "A drive raised its alarm: its motor has lost steps, or the drive is in a fault."},
+    FaultText{hal::Fault::guard_stop, ErrorCode::guard_stop,
+              "A guard rule of an I/O card has stopped the machine at once."},
     FaultText{hal::Fault::link_lost, ErrorCode::link_lost,
               "The board heard nothing from the server and stopped by itself."},
     FaultText{hal::Fault::index_missing, ErrorCode::motion_fault,
@@ -40,6 +50,7 @@ void Machine::watch_board() {
   if (!board.connected) return;
   if (state_ == State::off) take_board();
   watch_home_switches();
+  watch_guards();
   if (board.faults != 0 && state_ != State::estop && state_ != State::error) on_fault(board.faults);
   // The board may still have been braking its last steps when the fault was seen.
   if ((state_ == State::estop || state_ == State::error) && !board.moving)
@@ -53,6 +64,7 @@ void Machine::take_board() {
   // A session that was over before it was seen may have been the first after a reset.
   const bool counts_lost = board.counts_lost || (is_back && board.sessions - session_ > 1);
   session_ = board.sessions;
+  guard_counts_ = {};
   feed_.join_session();
   feed_.accept_board_position();
   interpreter_.set_position(feed_.commanded());
@@ -77,6 +89,34 @@ void Machine::lose_board() {
   if (std::exchange(reset_wanted_, false)) settle(WaitFor::reset, std::unexpected(lost));
   enter(State::off);
   if (loss_listener_ && !shutting_down_) loss_listener_();
+}
+
+/// CFG-16: the board has acted already; here it is told. A rule that has been true while nothing
+/// was going on stops nothing either.
+void Machine::watch_guards() {
+  const hal::ControllerStatus& board = feed_.board();
+  for (std::size_t i = 0; i < config::kGuardRules; ++i) {
+    if (std::exchange(guard_counts_[i], board.guard_counts[i]) == board.guard_counts[i]) continue;
+    const config::GuardRule& rule = data_.config.guards[i];
+    Error error = error_of_guard(i, rule);
+    log_.add(Severity::warning, error.message);
+    if (rule.action == config::GuardAction::smooth_stop) guard_stop_ = std::move(error);
+  }
+  if (guard_stop_) obey_guard();
+}
+
+/// Until the board stands the path that it brakes along is still fed.
+void Machine::obey_guard() {
+  const hal::ControllerStatus& board = feed_.board();
+  if (board.faults != 0) return guard_stop_.reset();  // that has stopped everything
+  if (board.path_stop == hal::PathStop::stopping || board.moving) return;
+  Error error = std::move(*guard_stop_);
+  guard_stop_.reset();
+  feed_.accept_board_position();
+  feed_.send(ReleaseStop{});
+  if (!job_.active() && !homing_.active() && !jog_.active()) return;
+  io_.all_off();
+  end_everything(std::move(error));
 }
 
 /// STA-4: behind homing, a home switch that becomes active is an emergency stop where that is

@@ -322,3 +322,27 @@ TEST_CASE("A pulse and its pause fit into a period of the highest step frequency
   CHECK(parse_machine_config(fast + "1.23\n", "cnc.ini"));
   check_refusal(fast + "1.24\n", ErrorCode::config_pulse_too_wide, 3, {"1.24 µs", "1.23 µs"});
 }
+
+TEST_CASE("Guard rules of the I/O cards are read by card and rule, and garbage in them is named",
+          "[CFG-16]") {
+  const auto config = parse_machine_config(kGoodX +
+                                               "[GPIO_RULES]\n"
+                                               "card_1_rule_1_text = \"Vacuum; too low\"\n"
+                                               "card_1_rule_1_inputParticipantBits = 3\n"
+                                               "card_1_rule_1_inputCompareBits = 1\n"
+                                               "card_1_rule_1_action = 2\n"
+                                               "card_3_rule_8_inputParticipantBits = 255\n"
+                                               "card_3_rule_8_action = 3\n",
+                                           "cnc.ini");
+  REQUIRE(config);
+  CHECK(config->guards[0] == GuardRule{"Vacuum; too low", 3, 1, GuardAction::smooth_stop});
+  CHECK(config->guards[23] == GuardRule{"", 255, 0, GuardAction::quick_stop});
+  CHECK(config->guards[1] == GuardRule{});
+  for (const std::string bad :
+       {"card_1_rule_1_action = 4", "card_2_rule_3_action = stop", "card_1_rule_1_action = 1.5",
+        "card_1_rule_2_inputParticipantBits = 256", "card_1_rule_2_inputCompareBits = -1"}) {
+    const Errors errors = refusals(kGoodX + "[GPIO_RULES]\n" + bad + "\n");
+    REQUIRE(errors.size() == 1);
+    CHECK_THAT(errors.front().to_string(), Contains(bad.substr(0, bad.find(' '))));
+  }
+}

@@ -115,6 +115,7 @@ firmware::Status random_status(std::mt19937& random) {
   status.path_stop = static_cast<firmware::PathStop>(random() % 3);
   status.time_scale = any<std::uint32_t>(random);
   status.outputs = random_outputs(random);
+  for (auto& count : status.guard_counts) count = random() % 4 == 0 ? any<std::uint8_t>(random) : 0;
   return status;
 }
 
@@ -274,6 +275,7 @@ TEST_CASE("A status comes out of its bytes as it went in", "[hal][LNK-9]") {
     CHECK(status.counts == written.counts);
     CHECK(status.outputs == written.outputs);
     CHECK(status.inputs.alarm == written.inputs.alarm);
+    CHECK(status.guard_counts == written.guard_counts);
     if (i < 20) require_strict<firmware::Status>(bytes, random);
   }
 }
@@ -289,6 +291,8 @@ TEST_CASE("A setup comes out of its bytes as it went in", "[hal][LNK-9]") {
   written.direction_setup = 50;
   written.direction_hold = 75;
   written.step_inverted = 0b1;
+  written.guards[0] = {0xFF, 0x81, firmware::GuardAction::quick_stop};
+  written.guards[23] = {1, 0, firmware::GuardAction::warning};
   written.direction_inverted = 0b100;
   const Bytes bytes = body_of([&](ByteWriter& body) { put_setup(body, written); });
   firmware::Setup setup;
@@ -296,6 +300,11 @@ TEST_CASE("A setup comes out of its bytes as it went in", "[hal][LNK-9]") {
   REQUIRE(get_setup(body, setup));
   CHECK(body_of([&](ByteWriter& again) { put_setup(again, setup); }) == bytes);
   CHECK(setup.max_acceleration == written.max_acceleration);
+  CHECK(setup.guards == written.guards);
+  Bytes strange = bytes;
+  strange.back() = 4;  // an action that there is not
+  ByteReader again(strange);
+  CHECK_FALSE(get_setup(again, setup));
   CHECK(setup.pulse_width == 25);
   CHECK(setup.direction_inverted == 0b100);
   ByteReader shorter(std::span<const std::uint8_t>(bytes).first(bytes.size() - 1));

@@ -63,6 +63,20 @@ firmware::OutputChange to_board(const OutputChange& change) {
   return result;
 }
 
+firmware::PerGuardRule<firmware::GuardRule> to_board(
+    const std::array<config::GuardRule, config::kGuardRules>& rules) {
+  static_assert(config::kGuardRules == firmware::kGuardRules);
+  static_assert(static_cast<int>(config::GuardAction::quick_stop) ==
+                static_cast<int>(firmware::GuardAction::quick_stop));
+  firmware::PerGuardRule<firmware::GuardRule> result;
+  std::ranges::transform(rules, result.begin(), [](const config::GuardRule& rule) {
+    return firmware::GuardRule{.participants = static_cast<std::uint8_t>(rule.participants),
+                               .compare = static_cast<std::uint8_t>(rule.compare),
+                               .action = static_cast<firmware::GuardAction>(rule.action)};
+  });
+  return result;
+}
+
 Outputs from_board(const firmware::Outputs& outputs) {
   Outputs result{.drives_enabled = outputs.drives_enabled,
                  .spindle_on = outputs.spindle_on,

@@ -14,6 +14,7 @@ static_assert(firmware::kEstop == static_cast<Faults>(Fault::estop));
 static_assert(firmware::kBadSegment == static_cast<Faults>(Fault::bad_segment));
 static_assert(firmware::kLinkLost == static_cast<Faults>(Fault::link_lost));
 static_assert(firmware::kStepLoss == static_cast<Faults>(Fault::step_loss));
+static_assert(firmware::kGuardStop == static_cast<Faults>(Fault::guard_stop));
 static_assert(firmware::kIndexMissing == static_cast<Faults>(Fault::index_missing));
 
 constexpr double seconds(firmware::Ticks ticks) {
@@ -57,6 +58,7 @@ Cpu5Driver::Cpu5Driver(const config::MachineConfig& config, const DriverSettings
                        std::unique_ptr<BoardPort> port)
     : axes_(config.axes),
       connection_(config.connection),
+      guards_(cpu5::to_board(config.guards)),
       settings_(settings),
       port_(std::move(port)) {
   for (const Axis axis : kAllAxes) scales_[axis] = MotorScale(axes_[axis].steps_per_unit);
@@ -89,7 +91,8 @@ firmware::Setup Cpu5Driver::setup() const {
       .drives_off_on_fault = settings_.drives_off_on_fault,
       .pulse_width = ticks_of_pulse(connection_.pulse_width),
       .direction_setup = ticks_of_pulse(connection_.direction_setup),
-      .direction_hold = ticks_of_pulse(connection_.direction_hold)};
+      .direction_hold = ticks_of_pulse(connection_.direction_hold),
+      .guards = guards_};
   for (const Axis axis : kAllAxes) {
     const config::AxisConfig& motor = axes_[axis];
     const std::size_t i = index_of(axis);
@@ -382,6 +385,7 @@ void Cpu5Driver::read_status() {
   status_.spindle_index_count = board_.inputs.index_count;
   status_.outputs = from_board(board_.outputs);
   status_.position = position_of(board_.counts);
+  status_.guard_counts = board_.guard_counts;
   read_latches();
   read_probe_latch();
 }

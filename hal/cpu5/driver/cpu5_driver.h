@@ -94,6 +94,7 @@ class Cpu5Driver : public Controller {
 
   AxisArray<config::AxisConfig> axes_;
   config::ConnectionConfig connection_;
+  firmware::PerGuardRule<firmware::GuardRule> guards_;
   DriverSettings settings_;
   std::unique_ptr<BoardPort> port_;
   AxisArray<MotorScale> scales_;

@@ -60,6 +60,7 @@ bool Core::set_up(const Setup& setup) {
   if (!in_range(setup) || moving()) return false;
   setup_ = setup;
   io_.set_up(setup_);
+  guards_.set_rules(setup_.guards);
   return true;
 }
 
@@ -214,6 +215,18 @@ void Core::disarm_probe() { player_.disarm_probe(); }
 
 // --- stops ---------------------------------------------------------------------------------------
 
+void Core::watch_guards(PortBits ports) {
+  switch (guards_.look(ports)) {
+    case GuardAction::nothing:
+    case GuardAction::warning:
+      return;
+    case GuardAction::smooth_stop:
+      return begin_stop();
+    case GuardAction::quick_stop:
+      return fail(kGuardStop);
+  }
+}
+
 // While it waits for the spindle the machine stands, too.
 void Core::begin_stop() {
   if (path_stop_ != PathStop::none) return;
@@ -290,7 +303,8 @@ Status Core::status() {
           .path_stop = path_stop_,
           .cut_late = cut_late_,
           .time_scale = time_scale_,
-          .outputs = player_.outputs()};
+          .outputs = player_.outputs(),
+          .guard_counts = guards_.counts()};
 }
 
 }  // namespace cnc::hal::cpu5::firmware

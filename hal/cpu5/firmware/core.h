@@ -47,6 +47,9 @@
 // A segment may change outputs: at the tick at which it begins, as it is played. One that is
 // dropped by a cut, a stop or a fault has not begun and switches nothing.
 //
+// Rules on the inputs of I/O cards (card_guards.h) are looked at in every slice: a smooth stop is
+// one along the path, whether or not anything moves, a quick stop a fault.
+//
 // Every fault stops the pulses at once, empties the FIFO, makes the outputs safe, and holds until
 // clear_faults(): meanwhile segments and outputs are refused. Where the pulses stopped is where the
 // next segment starts.
@@ -149,6 +152,7 @@ class Core {
   void plan_piece(Slice& slice, PathTime made, PathTime piece);
   void add_axes(SliceSteps& steps, PathTime piece);
 
+  void watch_guards(PortBits ports);
   void begin_stop();
   void complete_stop();
   void stop_pulses();
@@ -193,6 +197,7 @@ class Core {
   PerAxis<StepVelocity> start_velocity_{};
   PerAxis<StepPosition> position_{};
   SpindleMeter spindle_;
+  CardGuards guards_;
 };
 
 }  // namespace cnc::hal::cpu5::firmware

@@ -38,6 +38,7 @@ void Core::plan_now() {
   const Played played = player_.played();
   spindle_.see(played.inputs.index_count, played.inputs.index_time);
   watch_spindle(played.time);
+  watch_guards(played.inputs.ports);
   if (probe_awaited_ && played.probe_latch.caught) {
     probe_awaited_ = false;
     begin_stop();

@@ -1,6 +1,7 @@
 // What the host and the board tell each other, as plain structs of fixed-width numbers.
 #pragma once
 
+#include "hal/cpu5/firmware/card_guards.h"
 #include "hal/cpu5/firmware/fixed_point.h"
 #include "hal/cpu5/firmware/outputs.h"
 
@@ -57,6 +58,7 @@ inline constexpr FaultBits kBadSegment = 1 << 2;    ///< order, duration, range 
 inline constexpr FaultBits kLinkLost = 1 << 3;      ///< host silent for longer than the time-out
 inline constexpr FaultBits kIndexMissing = 1 << 4;  ///< no spindle index within the time-out
 inline constexpr FaultBits kStepLoss = 1 << 5;      ///< a drive has begun to raise its alarm
+inline constexpr FaultBits kGuardStop = 1 << 6;     ///< a rule of an I/O card wants a quick stop
 
 enum class Edge : std::uint8_t { activate, release };
 
@@ -96,6 +98,7 @@ struct Setup {
   std::uint8_t direction_inverted = 0;  ///< one bit per axis: upwards is low
   /// That a stop along the path keeps to; 1 … kTopAcceleration, 0 = the axis sets no limit.
   PerAxis<StepAcceleration> max_acceleration{};
+  PerGuardRule<GuardRule> guards{};
 };
 
 struct Status {
@@ -117,6 +120,7 @@ struct Status {
   bool cut_late = false;  ///< the last cut was; segments are dropped until the next
   TimeScale time_scale = kFullScale;
   Outputs outputs{};
+  PerGuardRule<std::uint8_t> guard_counts{};  ///< how often each has acted since setup; wraps
 };
 
 }  // namespace cnc::hal::cpu5::firmware

@@ -204,6 +204,11 @@ void put_setup(ByteWriter& body, const Setup& setup) {
   body.put(setup.direction_hold);
   body.put(setup.step_inverted);
   body.put(setup.direction_inverted);
+  for (const firmware::GuardRule& rule : setup.guards) {
+    body.put(rule.participants);
+    body.put(rule.compare);
+    body.put(static_cast<std::uint8_t>(rule.action));
+  }
 }
 
 bool get_setup(ByteReader& body, Setup& setup) {
@@ -217,6 +222,11 @@ bool get_setup(ByteReader& body, Setup& setup) {
   setup.direction_hold = body.get<std::uint16_t>();
   setup.step_inverted = body.get<std::uint8_t>();
   setup.direction_inverted = body.get<std::uint8_t>();
+  for (firmware::GuardRule& rule : setup.guards) {
+    rule.participants = body.get<std::uint8_t>();
+    rule.compare = body.get<std::uint8_t>();
+    rule.action = get_one_of<firmware::GuardAction>(body, 4);
+  }
   return complete(body);
 }
 
@@ -399,6 +409,28 @@ void get_latches(ByteReader& body, Status& status) {
   get_all(body, latch.counts);
 }
 
+using GuardCounts = firmware::PerGuardRule<std::uint8_t>;
+
+/// Those that are not 0.
+void put_guard_counts(ByteWriter& body, const GuardCounts& counts) {
+  std::uint32_t present = 0;
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    if (counts[i] != 0) present |= std::uint32_t{1} << i;
+  }
+  body.put(present);
+  for (const std::uint8_t count : counts) {
+    if (count != 0) body.put(count);
+  }
+}
+
+void get_guard_counts(ByteReader& body, GuardCounts& counts) {
+  const auto present = body.get<std::uint32_t>();
+  if ((present >> counts.size()) != 0) body.refuse();
+  for (std::size_t i = 0; i < counts.size(); ++i) {
+    counts[i] = (present >> i & 1U) != 0 ? body.get<std::uint8_t>() : std::uint8_t{0};
+  }
+}
+
 }  // namespace
 
 void put_status(ByteWriter& body, const StatusNumbers& numbers, const Status& status) {
@@ -422,6 +454,7 @@ void put_status(ByteWriter& body, const StatusNumbers& numbers, const Status& st
   body.put(static_cast<std::uint32_t>(status.time_scale));
   put_outputs(body, status.outputs);
   put_latches(body, status);
+  put_guard_counts(body, status.guard_counts);
 }
 
 bool get_status(ByteReader& body, StatusNumbers& numbers, Status& status) {
@@ -445,6 +478,7 @@ bool get_status(ByteReader& body, StatusNumbers& numbers, Status& status) {
   status.time_scale = body.get<std::uint32_t>();
   get_outputs(body, status.outputs);
   get_latches(body, status);
+  get_guard_counts(body, status.guard_counts);
   return complete(body);
 }
 

@@ -1,0 +1,141 @@
+// Guard rules on the inputs of I/O cards: what the operator is told, and what becomes of the job.
+#include <catch2/catch.hpp>
+
+#include "tests/server/rig.h"
+
+using namespace cnc;
+using namespace cnc::server;
+using namespace cnc::server::test;
+
+namespace {
+
+/// Rule 3 of card 2, on its input 5 going on.
+struct GuardedRig : Rig {
+  explicit GuardedRig(config::GuardAction action, bool on_from_the_start = false)
+      : Rig(guarded(action), with_card(on_from_the_start)) {}
+
+  static MachineData guarded(config::GuardAction action) {
+    MachineData data = free_machine();
+    data.config.guards[8 + 2] = {"Vacuum too low", 16, 16, action};
+    return data;
+  }
+  static SimulationOptions with_card(bool on) {
+    SimulationOptions options = at_zero();
+    options.machine.io_cards[1] = true;
+    options.machine.ports_on = on ? 1ULL << kInput : 0;
+    return options;
+  }
+  void set_input(bool on) { simulation.virtual_machine().set_port_input(kInput, on); }
+  void run_job() {
+    REQUIRE(reset());
+    start("M3 S12000\nM8\nG1 X100 F3000\nX0\n");
+    REQUIRE(becomes([&] { return position()[Axis::X] > 20.0; }, 10.0));
+  }
+  [[nodiscard]] int times_told() const {
+    int times = 0;
+    for (const auto& message : simulation.log().after(0))
+      if (message.severity == Severity::warning &&
+          message.text == "I/O card 2, rule 3: Vacuum too low")
+        ++times;
+    return times;
+  }
+  [[nodiscard]] const hal::cpu5::firmware::Outputs& outputs() {
+    return simulation.virtual_machine().outputs();
+  }
+
+  static constexpr std::size_t kInput = 16 + 8 + 4;
+};
+
+}  // namespace
+
+TEST_CASE("A rule that warns tells its text each time, and the job goes on", "[CFG-16][LNK-5]") {
+  GuardedRig rig(config::GuardAction::warning);
+  rig.run_job();
+  CHECK(rig.times_told() == 0);
+  rig.set_input(true);
+  rig.run_for(0.1);
+  CHECK(rig.times_told() == 1);
+  CHECK(rig.state() == State::running);
+  rig.set_input(false);
+  rig.run_for(0.1);
+  rig.set_input(true);
+  rig.run_for(0.1);
+  CHECK(rig.times_told() == 2);
+  REQUIRE(rig.becomes(State::ready));
+  CHECK(rig.position()[Axis::X] == Approx(0.0).margin(0.01));
+}
+
+TEST_CASE("A rule with a smooth stop ends the job along its path; positions stay trusted",
+          "[CFG-16][LNK-5][safety]") {
+  GuardedRig rig(config::GuardAction::smooth_stop);
+  rig.run_job();
+  const double x = rig.position()[Axis::X];
+  const auto trust = rig.shown()->trust;
+  rig.set_input(true);
+  REQUIRE(rig.becomes(State::error, 1.0));
+  CHECK(rig.last_error().code == ErrorCode::guard_stop);
+  CHECK(rig.times_told() == 1);
+  rig.run_for(0.2);
+  // Braking from 50 mm/s takes v^2 / 2a, and the board acts within a slice; the status is younger
+  // than two cycles.
+  const double a = rig.machine.config().axes[Axis::X].acceleration;
+  const double way = 50.0 * 50.0 / (2 * a);
+  CHECK(rig.position()[Axis::X] > x + 0.9 * way);
+  CHECK(rig.position()[Axis::X] < x + 1.1 * way + 50.0 * 0.015);
+  CHECK(rig.simulation.virtual_machine().physical_position(Axis::X) ==
+        Approx(rig.position()[Axis::X]).margin(0.01));
+  CHECK(rig.simulation.virtual_machine().lost_steps(Axis::X) == 0);
+  CHECK(rig.shown()->trust == trust);
+  CHECK_FALSE(rig.outputs().flood);
+  CHECK_FALSE(rig.outputs().spindle_on);
+  // The input stays; the operator may go on.
+  REQUIRE(rig.reset());
+  REQUIRE(rig.mdi("G1 X5 F3000"));
+  CHECK(rig.position()[Axis::X] == Approx(5.0).margin(0.01));
+}
+
+TEST_CASE("A rule with a quick stop is a fault: positions of what moved are doubtful",
+          "[CFG-16][LNK-5][safety]") {
+  GuardedRig rig(config::GuardAction::quick_stop);
+  rig.run_job();
+  rig.set_input(true);
+  REQUIRE(rig.becomes(State::error, 1.0));
+  CHECK(rig.last_error().code == ErrorCode::guard_stop);
+  CHECK(rig.times_told() == 1);
+  rig.run_for(0.1);
+  CHECK(rig.outputs() == hal::cpu5::firmware::Outputs{});
+  CHECK(rig.shown()->trust[Axis::X] != Trust::trusted);
+  REQUIRE(rig.reset());
+  CHECK(rig.state() == State::ready);
+}
+
+TEST_CASE("A rule that acts while nothing goes on is told and ends nothing", "[CFG-16]") {
+  GuardedRig rig(config::GuardAction::smooth_stop);
+  REQUIRE(rig.reset());
+  rig.set_input(true);
+  rig.run_for(0.1);
+  CHECK(rig.times_told() == 1);
+  CHECK(rig.state() == State::ready);
+  REQUIRE(rig.mdi("G1 X5 F3000"));
+  CHECK(rig.position()[Axis::X] == Approx(5.0).margin(0.01));
+}
+
+TEST_CASE("A jog ends by a smooth stop", "[CFG-16][safety]") {
+  GuardedRig rig(config::GuardAction::smooth_stop);
+  REQUIRE(rig.reset());
+  Position rates;
+  rates[Axis::X] = 0.5;
+  REQUIRE(rig.machine.jog(rates, 10.0));
+  rig.run_for(0.5);
+  rig.set_input(true);
+  REQUIRE(rig.becomes(State::error, 2.0));
+  const Position place = rig.position();
+  rig.run_for(0.5);
+  CHECK(rig.position() == place);
+}
+
+TEST_CASE("A rule that is true already when the board is connected is told", "[CFG-16]") {
+  GuardedRig rig(config::GuardAction::warning, true);
+  rig.run_for(0.05);
+  CHECK(rig.times_told() == 1);
+}
