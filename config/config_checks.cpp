@@ -118,6 +118,15 @@ Finding check_pulse_width(const MachineConfig& config, Axis) {
                std::nullopt};
 }
 
+Finding check_host_timeout(const MachineConfig& config, Axis) {
+  if (config.connection.host_timeout < config.trajectory.fifo_time) return std::nullopt;
+  return Error{ErrorCode::config_host_timeout_too_long,
+               fmt::format("{} must be less than {}: what the board still has is its way to brake.",
+                           shown(config, "CONNECTION", "hostTimeout"),
+                           shown(config, "TRAJECTORY", "fifoTime")),
+               std::nullopt};
+}
+
 Finding check_spindle_range(const MachineConfig& config, Axis) {
   if (config.spindle.min_speed <= config.spindle.max_speed) return std::nullopt;
   return Error{ErrorCode::config_spindle_range,
@@ -145,6 +154,7 @@ struct MachineRule {
 };
 
 constexpr std::array kMachineRules{
+    MachineRule{"CONNECTION", {"hostTimeout", check_host_timeout}},
     MachineRule{"CONNECTION", {"pulseWidth", check_pulse_width}},
     MachineRule{"TRAJECTORY", {"fifoTime", check_fifo_time}},
     MachineRule{"SPINDLE_0", {"spindleNmin", check_spindle_range}},

@@ -5,7 +5,6 @@
 #pragma once
 
 #include <array>
-#include <array>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -156,10 +155,10 @@ struct MachineConfig {
   InterpreterConfig interpreter;
   JobConfig job;
   ToolChangeArea tool_change_area;
-  HeadOffset spindle_1;  ///< M91
-  HeadOffset spindle_2;  ///< M92 M93
-  HeadOffset probe;      ///< M95
-  HeadOffset camera;     ///< M97
+  HeadOffset spindle_1;                         ///< M91
+  HeadOffset spindle_2;                         ///< M92 M93
+  HeadOffset probe;                             ///< M95
+  HeadOffset camera;                            ///< M97
   std::array<GuardRule, kGuardRules> guards{};  ///< card by card
 
   /// The axis that this motor moves: its own, or its master's.

@@ -4,10 +4,9 @@
 // cnc.ini, the setup pages, the API and docs/settings.md all work from this table. Adding a setting
 // is a member in machine_config.h and a row in settings_table.cpp.
 //
-// Every value but a text travels as a double in base units (mm, s, degree, rpm; µs of
-// pulses): a toggle is 0 or
-// 1, a choice is the value of one of its names. Only a file whose machine unit is the inch holds
-// inches.
+// Every value but a text travels as a double in base units (mm, s, degree, rpm; µs of pulses): a
+// toggle is 0 or 1, a choice is the value of one of its names. Only the texts of a file whose
+// machine unit is the inch hold inches.
 #pragma once
 
 #include <cstdint>

@@ -276,7 +276,8 @@ constexpr std::array kMotionRows{
 };
 // clang-format on
 
-// --- guard rules: eight of each of three I/O cards ------------------------------------------------
+// --- guard rules: eight of each of three I/O cards
+// ------------------------------------------------
 
 /// "card_1_rule_1_inputParticipantBits"
 struct GuardKey {
@@ -290,8 +291,8 @@ struct GuardKey {
 };
 
 constexpr std::size_t kSettingsOfGuard = 4;
-constexpr std::array<std::string_view, kSettingsOfGuard> kGuardKeys{
-    "text", "inputParticipantBits", "inputCompareBits", "action"};
+constexpr std::array<std::string_view, kSettingsOfGuard> kGuardKeys{"text", "inputParticipantBits",
+                                                                    "inputCompareBits", "action"};
 
 constexpr auto make_guard_names() {
   std::array<std::array<GuardKey, kSettingsOfGuard>, kGuardRules> names{};
@@ -323,17 +324,32 @@ constexpr SettingAccess kOfGuard{
 template <std::size_t Rule>
 constexpr std::array<Setting, kSettingsOfGuard> guard_rows() {
   const auto& names = kGuardNames[Rule];
-  return {Setting{.section = "GPIO_RULES", .key = names[0].text(), .type = text, .max = 200,
+  return {Setting{.section = "GPIO_RULES",
+                  .key = names[0].text(),
+                  .type = text,
+                  .max = 200,
                   .help = "What the operator is told when the rule acts.",
                   .access = kOfGuard<Rule, &GuardRule::text>},
-          Setting{.section = "GPIO_RULES", .key = names[1].text(), .type = integer, .max = 255,
-                  .help = "Inputs of the card that take part, the sum of 1 for input 1, 2 for input 2, 4 for input 3 to 128 for input 8; 0: the rule does nothing.",
+          Setting{.section = "GPIO_RULES",
+                  .key = names[1].text(),
+                  .type = integer,
+                  .max = 255,
+                  .help = "Inputs of the card that take part, the sum of 1 for input 1, 2 for "
+                          "input 2, 4 for input 3 to 128 for input 8; 0: the rule does nothing.",
                   .access = kOfGuard<Rule, &GuardRule::participants>},
-          Setting{.section = "GPIO_RULES", .key = names[2].text(), .type = integer, .max = 255,
-                  .help = "Which of them have to be on, summed up like them; the others have to be off. The rule acts when all are so.",
+          Setting{.section = "GPIO_RULES",
+                  .key = names[2].text(),
+                  .type = integer,
+                  .max = 255,
+                  .help = "Which of them have to be on, summed up like them; the others have to be "
+                          "off. The rule acts when all are so.",
                   .access = kOfGuard<Rule, &GuardRule::compare>},
-          Setting{.section = "GPIO_RULES", .key = names[3].text(), .type = integer, .max = 3,
-                  .help = "0: nothing; 1: a warning; 2: the board stops the machine along its path; 3: at once, without a ramp, and axes that move may slip.",
+          Setting{.section = "GPIO_RULES",
+                  .key = names[3].text(),
+                  .type = integer,
+                  .max = 3,
+                  .help = "0: nothing; 1: a warning; 2: the board stops the machine along its "
+                          "path; 3: at once, without a ramp, and axes that move may slip.",
                   .access = kOfGuard<Rule, &GuardRule::action>}};
 }
 

@@ -16,6 +16,10 @@ constexpr double kLargestStiffness = 1e5;
 /// λ at the ends of a run in units of W⁻³, the size of the bending's own entries in the matrix.
 constexpr double kEndStiffness = 1e5;
 
+/// A tube wider than so many steps counts as narrower in λ*: bending and stiffness, whose ratio goes
+/// with its fourth power, have to stand beside each other in the digits of one matrix.
+constexpr double kWidestTube = 300.0;
+
 double square(double value) { return value * value; }
 
 }  // namespace
@@ -65,7 +69,8 @@ void TubeNodes::complete(std::size_t i, double least) {
     stiffness[i] = kEndStiffness / (weight[i] * square(weight[i]));
     least_stiffness[i] = most_stiffness[i] = stiffness[i];
   } else {
-    const double natural = weight[i] / square(square(std::max(weight[i], 2.0 * tolerance[i])));
+    const double width = std::clamp(2.0 * tolerance[i], weight[i], kWidestTube * weight[i]);
+    const double natural = weight[i] / square(square(width));
     stiffness[i] = kFirstStiffness * natural;
     least_stiffness[i] = least * natural;
     most_stiffness[i] = kLargestStiffness * natural;

@@ -129,7 +129,7 @@ void TubeSpline::solve_window(std::size_t last_node, std::size_t commit, bool ru
   const std::size_t checked = run_ends ? last_node : std::min(last_node, commit + kCheckedBehind);
   if (!relaxation_.relax(nodes_, free_, last_node, checked)) {
     std::size_t offender = first_row();
-    while (!relaxation_.is_outside(offender)) ++offender;
+    while (offender < last_node && !relaxation_.is_outside(offender)) ++offender;
     // The control points around the end must still be free.
     const std::size_t end = std::max(offender, free_ + 1);
     if (end < last_node) return break_run(end, last_node, run_ends);

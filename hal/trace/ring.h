@@ -37,7 +37,7 @@ struct RecordHead {
   Kind kind = 0;
   std::uint32_t bytes = 0;
 
-  [[nodiscard]] std::size_t words() const { return 1 + (bytes + 7) / 8; }
+  [[nodiscard]] std::size_t words() const { return 1 + (std::size_t{bytes} + 7) / 8; }
   [[nodiscard]] std::uint64_t word() const { return std::uint64_t{kind} << 32U | bytes; }
   [[nodiscard]] static RecordHead from(std::uint64_t word) {
     return {static_cast<Kind>(word >> 32U), static_cast<std::uint32_t>(word)};

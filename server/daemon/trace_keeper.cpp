@@ -64,9 +64,13 @@ Result<std::filesystem::path> TraceKeeper::write(const std::string& reason) {
   about_.reason = reason;
   about_.written = utc_text(std::chrono::system_clock::now());
   const auto path = settings_.folder / file_name(about_.written, reason);
-  const std::string bytes = hal::trace::trace_bytes(about_, ring_.copy());
-  if (auto written = config::write_file_atomically(path, bytes); !written)
-    return std::unexpected(written.error());
+  try {
+    const std::string bytes = hal::trace::trace_bytes(about_, ring_.copy());
+    if (auto written = config::write_file_atomically(path, bytes); !written)
+      return std::unexpected(written.error());
+  } catch (const std::bad_alloc&) {  // locked memory may be scarce
+    return fail(ErrorCode::file_not_writable, "There is not enough memory for a trace.");
+  }
   remove_oldest();
   return path;
 }
@@ -75,8 +79,9 @@ Result<std::filesystem::path> TraceKeeper::write(const std::string& reason) {
 void TraceKeeper::remove_oldest() const {
   std::vector<std::filesystem::path> traces;
   std::error_code error;
-  for (const auto& entry : std::filesystem::directory_iterator(settings_.folder, error))
-    if (entry.path().extension() == kSuffix) traces.push_back(entry.path());
+  std::filesystem::directory_iterator entry(settings_.folder, error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error))
+    if (entry->path().extension() == kSuffix) traces.push_back(entry->path());
   std::ranges::sort(traces);
   for (std::size_t i = 0; i + settings_.kept < traces.size(); ++i)
     std::filesystem::remove(traces[i], error);

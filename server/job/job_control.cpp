@@ -190,6 +190,7 @@ void JobControl::show_due_notes() {
     if (note.with_segment != 0) io_.switched(note.change, note.ticket);
     show(note.event);
   }
+  io_.correct();
 }
 
 void JobControl::show(const JobEvent& event) {

@@ -10,6 +10,8 @@ namespace cnc::server {
 
 void JobControl::replan() {
   if (!active_ || waits_for_ != WaitsFor::nothing) return;
+  // A board that stops along its path goes on with the path that it has.
+  if (feed_.board().path_stop != hal::PathStop::none) return;
   replan_wanted_ = feed_.cut_answer() == CutAnswer::pending;
   if (replan_wanted_) return;
   if (const std::size_t count = feed_.replaceable(); count > 0) cut_and_go_on(count);
@@ -63,7 +65,7 @@ bool JobControl::cut_is_settled() {
       return false;
     case CutAnswer::late:
       undo_cut();
-      cut_and_go_on(feed_.replaceable());
+      if (feed_.board().path_stop == hal::PathStop::none) cut_and_go_on(feed_.replaceable());
       return false;
     case CutAnswer::none:
     case CutAnswer::taken:

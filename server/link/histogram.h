@@ -24,7 +24,7 @@ class Histogram {
 
   void record(double value) {
     std::size_t bin = 0;
-    while (value >= upper_edge(bin)) ++bin;
+    while (bin + 1 < kBins && value >= upper_edge(bin)) ++bin;
     counts_[bin].fetch_add(1, std::memory_order_relaxed);
     sum_.store(sum_.load(std::memory_order_relaxed) + value, std::memory_order_relaxed);
     if (value > max_.load(std::memory_order_relaxed)) max_.store(value, std::memory_order_relaxed);

@@ -46,7 +46,11 @@ void Link::cycle(double now) {
 /// before would begin at another place.
 void Link::deliver() {
   while (session_ != joined_session_ && queue_.read_available() > 0) drop_front();
-  while (queue_.read_available() > 0 && (is_cut_off(queue_.front()) || deliver(queue_.front()))) {
+  // Behind a quick stop that has come meanwhile: with the next cycle's frame, which knows of it.
+  const auto may_deliver = [this] {
+    return queue_.read_available() > 0 && quick_stop_before_.load(std::memory_order_acquire) == 0;
+  };
+  while (may_deliver() && (is_cut_off(queue_.front()) || deliver(queue_.front()))) {
     queue_.pop();
     note_delivered();
   }

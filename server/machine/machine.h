@@ -155,6 +155,7 @@ class Machine {
   void take_board();
   void lose_board();
   void on_fault(hal::Faults faults);
+  void on_further_fault(hal::Faults faults);
   void tell_fault(std::string_view name) const;
   void watch_guards();
   void obey_guard();
@@ -199,8 +200,9 @@ class Machine {
   double last_cycle_ = 0.0;
   std::uint64_t sequence_ = 0;
   PositionTrust trust_;
-  std::uint32_t session_ = 0;        // with the board; 0: it was never there
+  std::uint32_t session_ = 0;  // with the board; 0: it was never there
   std::array<std::uint8_t, config::kGuardRules> guard_counts_{};  // of it, as seen
+  hal::Faults faults_ = 0;                                        // the board's, as seen
   std::optional<Error> guard_stop_;  // why the board stops, until it stands
   AxisArray<bool> home_switches_{};  // as seen in the last cycle
   std::vector<Waiter> waiters_;

@@ -51,7 +51,10 @@ void Machine::watch_board() {
   if (state_ == State::off) take_board();
   watch_home_switches();
   watch_guards();
-  if (board.faults != 0 && state_ != State::estop && state_ != State::error) on_fault(board.faults);
+  const auto begun = static_cast<hal::Faults>(board.faults & ~std::exchange(faults_, board.faults));
+  const bool has_ended = state_ == State::estop || state_ == State::error;
+  if (board.faults != 0 && !has_ended) on_fault(board.faults);
+  if (begun != 0 && has_ended) on_further_fault(begun);
   // The board may still have been braking its last steps when the fault was seen.
   if ((state_ == State::estop || state_ == State::error) && !board.moving)
     feed_.accept_board_position();
@@ -65,6 +68,9 @@ void Machine::take_board() {
   const bool counts_lost = board.counts_lost || (is_back && board.sessions - session_ > 1);
   session_ = board.sessions;
   guard_counts_ = {};
+  guard_stop_.reset();
+  faults_ = board.faults;
+  io_.board_is_back(board.outputs);
   feed_.join_session();
   feed_.accept_board_position();
   interpreter_.set_position(feed_.commanded());
@@ -114,8 +120,9 @@ void Machine::obey_guard() {
   guard_stop_.reset();
   feed_.accept_board_position();
   feed_.send(ReleaseStop{});
-  if (!job_.active() && !homing_.active() && !jog_.active()) return;
   io_.all_off();
+  if (!job_.active() && !homing_.active() && !jog_.active()) return;
+  tell_fault("guard_stop");
   end_everything(std::move(error));
 }
 
@@ -152,6 +159,17 @@ void Machine::on_fault(hal::Faults faults) {
 
 void Machine::tell_fault(std::string_view name) const {
   if (fault_listener_) fault_listener_(name);
+}
+
+/// Everything has ended before. It may cost trust all the same, and decides what a reset waits for.
+void Machine::on_further_fault(hal::Faults faults) {
+  lose_trust(TrustEvent::stopped_on_the_spot, feed_.axes_in_motion());
+  if ((faults & static_cast<hal::Faults>(hal::Fault::step_loss)) != 0)
+    lose_trust(TrustEvent::steps_lost, feed_.axes_of(feed_.board().inputs.drive_alarm));
+  io_.board_is_off();
+  if ((faults & static_cast<hal::Faults>(hal::Fault::estop)) == 0 || state_ == State::estop) return;
+  log_.add(Error{ErrorCode::estop_pressed, "Emergency stop is pressed.", std::nullopt});
+  enter(State::estop);
 }
 
 void Machine::stop_at_once(Error error) {

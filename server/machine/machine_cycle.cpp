@@ -175,6 +175,7 @@ void Machine::cycle_homing() {
   come_to_rest();
   if (const auto& error = homing_.error()) {
     log_.add(*error);
+    io_.send_all();  // what was on its way may have gone with a quick stop
     settle(WaitFor::home, std::unexpected(*error));
   } else {
     settle(WaitFor::home, {});
@@ -184,6 +185,7 @@ void Machine::cycle_homing() {
 void Machine::end_homing_for_job() {
   if (const auto& error = homing_.error()) {
     log_.add(*error);
+    io_.send_all();
     return end_job(std::unexpected(*error));
   }
   job_.home_done();

@@ -98,6 +98,13 @@ void MachineIo::board_is_off() {
   ports_.reset();
   pwm_ = {};
   outputs_ = {};
+  in_doubt_ = {};
+  path_switches_ = false;
+}
+
+void MachineIo::board_is_back(const hal::Outputs& outputs) {
+  drives_ = outputs.drives_enabled;
+  outputs_ = {.drives_enabled = drives_};
 }
 
 /// What the spindle is told, 0 … 1. S0 leaves it still even after M3 (manual 3.5.2); any other
@@ -139,6 +146,7 @@ void MachineIo::send_all() {
   outputs_ = wanted();
   feed_.send(SetOutputs{outputs_});
   ++sends_;
+  in_doubt_ = {};
   path_switches_ = false;
 }
 
@@ -162,11 +170,20 @@ std::uint64_t MachineIo::sent_with_path() {
   return sends_;
 }
 
-/// Whether what was sent meanwhile came before or behind it is not known: it is sent again.
+/// Whether what was sent meanwhile came before or behind it is not known.
 void MachineIo::switched(const hal::OutputChange& change, std::uint64_t ticket) {
   change.apply_to(outputs_);
-  if (ticket == sends_) return;
-  feed_.send(ChangeOutputs{change});
+  if (ticket != sends_) in_doubt_.add(change);
+}
+
+void MachineIo::correct() {
+  if (in_doubt_.empty()) return;
+  if (in_doubt_.spindle_on) in_doubt_.spindle_on = outputs_.spindle_on;
+  if (in_doubt_.tool_direction) in_doubt_.tool_direction = outputs_.tool_direction;
+  if (in_doubt_.spindle_pwm) in_doubt_.spindle_pwm = outputs_.spindle_pwm;
+  if (in_doubt_.mist) in_doubt_.mist = outputs_.mist;
+  if (in_doubt_.flood) in_doubt_.flood = outputs_.flood;
+  feed_.send(ChangeOutputs{std::exchange(in_doubt_, {})});
   ++sends_;
 }
 

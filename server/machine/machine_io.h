@@ -34,6 +34,8 @@ class MachineIo {
   [[nodiscard]] std::uint64_t sent_with_path();
   /// The board has made it.
   void switched(const hal::OutputChange& change, std::uint64_t ticket);
+  /// Sends again what may have come in the wrong order, as it has to be now.
+  void correct();
 
   /// AUX and card outputs by the manual's numbers (hal/ports.h); PWM 1 … 8, `value` 0 … 1.
   Result<void> set_output(std::int32_t port, bool on);
@@ -48,6 +50,8 @@ class MachineIo {
   void send_all();
   /// The board switched everything off by itself; remember it without sending.
   void board_is_off();
+  /// A new session: everything is off, but drives stay as they were.
+  void board_is_back(const hal::Outputs& outputs);
 
   [[nodiscard]] interp::SpindleDirection spindle() const { return direction_; }
   [[nodiscard]] double spindle_speed() const { return speed_; }
@@ -73,6 +77,7 @@ class MachineIo {
   std::optional<bool> pwm_output_;        // M86 M87
   hal::Outputs outputs_;                  // of the board when it has got everything
   std::uint64_t sends_ = 0;
+  hal::OutputChange in_doubt_;  // for correct()
   bool path_switches_ = false;  // since all were sent: the board may be ahead of outputs_
 };
 

@@ -315,6 +315,12 @@ TEST_CASE("A text may stand in quotes, and has none inside", "[CFG-1][LNK-1]") {
                 ErrorCode::config_value_out_of_range, 2, {"board"});
 }
 
+TEST_CASE("A silent host is missed while the board still has a way to brake", "[CFG-1][LNK-4]") {
+  CHECK(parse_machine_config("[CONNECTION]\nhostTimeout = 0.249\n", "cnc.ini"));
+  check_refusal("[CONNECTION]\nhostTimeout = 0.25\n", ErrorCode::config_host_timeout_too_long, 2,
+                {"0.25 s", "fifoTime"});
+}
+
 TEST_CASE("A pulse and its pause fit into a period of the highest step frequency",
           "[CFG-1][LNK-3]") {
   // 1 % above 400 kHz a period is 2.475 µs, two times 1.2376.

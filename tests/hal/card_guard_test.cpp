@@ -131,6 +131,22 @@ TEST_CASE("A smooth stop comes at a standstill too: what is on its way must not 
   CHECK_FALSE(guarded.core.push(x_segment(21, 0.1, 0)));
 }
 
+TEST_CASE("A guard's stop during another stop has to be released by itself",
+          "[hal][CFG-16][safety]") {
+  Guarded guarded({0b1, 0b1, GuardAction::smooth_stop});
+  guarded.core.stop_along_path();
+  guarded.core.advance(ticks(0.002));
+  guarded.ports = input(1, 1);
+  guarded.core.advance(ticks(0.5));
+  REQUIRE(guarded.core.status().path_stop == PathStop::stopped);
+  CHECK(guarded.count() == 1);
+  guarded.core.release_stop();  // meant for the first one
+  CHECK(guarded.core.status().path_stop == PathStop::stopped);
+  CHECK_FALSE(guarded.core.push(x_segment(21, 0.01, 0.0)));
+  guarded.core.release_stop();
+  CHECK(guarded.core.status().path_stop == PathStop::none);
+}
+
 TEST_CASE("A quick stop is a fault within a slice, everything off", "[hal][CFG-16][safety]") {
   Guarded guarded({1, 1, GuardAction::quick_stop});
   guarded.ports = input(1, 1);

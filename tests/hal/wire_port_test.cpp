@@ -182,6 +182,31 @@ TEST_CASE("What was asked for without a link does not count behind it", "[hal][L
   CHECK_FALSE(shuttle.status().probe_latch.armed);
 }
 
+TEST_CASE("Lost counts are told however the line fails while the board is greeted",
+          "[hal][LNK-9][LNK-4][safety]") {
+  const int cycles = GENERATE(range(0, 150, 3));
+  INFO("cable out " << cycles << " ms after the reset");
+  const auto controller = make_virtual_controller(small_machine(), at_zero());
+  Shuttle shuttle(*controller);
+  controller->trouble().delay = 0.007;  // greeting and first status are apart
+  bool told = false;
+  const auto pass = [&](int count) {
+    for (int i = 0; i < count; ++i) {
+      const ControllerStatus& status = shuttle.cycle();
+      told = told || (status.connected && status.counts_lost);
+    }
+  };
+  pass(50);
+  controller->board().reset();
+  pass(cycles);
+  controller->trouble().cable_out = true;
+  pass(400);
+  controller->trouble().cable_out = false;
+  pass(1500);  // the board keeps a host that is silent for a second
+  CHECK(shuttle.status().connected);
+  CHECK(told);
+}
+
 TEST_CASE("A board that was reset is greeted again, and its counts are known to be lost",
           "[hal][LNK-9][LNK-4]") {
   const auto controller = make_virtual_controller(small_machine(), at_zero());

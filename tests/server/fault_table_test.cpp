@@ -33,7 +33,13 @@ class FaultRig : public Rig {
  public:
   explicit FaultRig(double period)
       : Rig(shipped_machine({"AXIS_X.homeVelocity=0", "AXIS_Y.homeVelocity=0",
-                             "AXIS_Z.homeVelocity=0", "SPINDLE_0.spindleRampUpTime=0.3"}),
+                             "AXIS_Z.homeVelocity=0", "SPINDLE_0.spindleRampUpTime=0.3",
+                             "GPIO_RULES.card_1_rule_1_inputParticipantBits=1",
+                             "GPIO_RULES.card_1_rule_1_inputCompareBits=1",
+                             "GPIO_RULES.card_1_rule_1_action=2",
+                             "GPIO_RULES.card_1_rule_2_inputParticipantBits=2",
+                             "GPIO_RULES.card_1_rule_2_inputCompareBits=2",
+                             "GPIO_RULES.card_1_rule_2_action=3"}),
             options(period)) {
     REQUIRE(reset());
     REQUIRE(home());
@@ -107,6 +113,9 @@ using hal::sim::VirtualMotor;
 
 void pull_cable(FaultRig& rig) { rig.line().cable_out = true; }
 void plug_cable(FaultRig& rig) { rig.line().cable_out = false; }
+void set_card_input(FaultRig& rig, int port) {
+  rig.bench().set_port_input(*hal::port_bit(port), true);
+}
 
 constexpr std::array kFaults{
     Fault{"cable out for 0.1 s", Fate::goes_on, pull_cable, 0.1, plug_cable},
@@ -138,6 +147,8 @@ constexpr std::array kFaults{
     Fault{"8 steps lost", Fate::ends, [](FaultRig& rig) { rig.bench().lose_steps(Axis::X, 8); }},
     Fault{"drive alarm", Fate::ends,
           [](FaultRig& rig) { rig.bench().raise_drive_alarm(Axis::Z, true); }},
+    Fault{"guard rule, smooth stop", Fate::ends, [](FaultRig& rig) { set_card_input(rig, 101); }},
+    Fault{"guard rule, quick stop", Fate::ends, [](FaultRig& rig) { set_card_input(rig, 102); }},
     Fault{"index missing", Fate::may_end,
           [](FaultRig& rig) { rig.bench().set_index_missing(true); }},
     Fault{"probe stuck", Fate::goes_on, [](FaultRig& rig) { rig.bench().stick_probe(true); }},
@@ -159,16 +170,15 @@ struct Outcome {
 };
 
 /// Runs until the job has ended and the machine has stood still for half a second; returns the time
-/// of the last motion, s from now.
-double run_out(FaultRig& rig, const Fault& fault, Outcome& outcome) {
+/// of the last motion, s behind the fault's `begin`.
+double run_out(FaultRig& rig, const Fault& fault, double begin, Outcome& outcome) {
   constexpr double kLongest = 20.0;  // s; a spindle that gives no index is waited for, for 10 s
   constexpr double kRest = 0.5;      // s
-  const double begin = rig.simulation.time();
   const double healed = begin + fault.lasts;
   double moved = begin;
   double worked = begin;
   Position last = rig.truth();
-  for (double now = begin; now < begin + kLongest; now = rig.simulation.time()) {
+  for (double now = rig.simulation.time(); now < begin + kLongest; now = rig.simulation.time()) {
     if (fault.heal != nullptr && now >= healed) fault.heal(rig);
     rig.simulation.cycle();
     if (rig.truth() != last) moved = now;
@@ -195,8 +205,9 @@ void strike_once(const Fault& fault, std::mt19937& random, const Whole& whole, O
   rig.start(std::string(kJob));
   rig.run_for(0.98 * whole.time * part(random));
   REQUIRE(rig.state() == State::running);
+  const double begin = rig.simulation.time();
   fault.strike(rig);
-  const double stop = run_out(rig, fault, outcome);
+  const double stop = run_out(rig, fault, begin, outcome);
   const bool ended = !rig.shown()->job.ended_well;
   outcome.ended += ended ? 1 : 0;
   const bool is_wrong =

@@ -52,11 +52,11 @@ firmware::OutputChange to_board(const OutputChange& change) {
     result.changed |= firmware::OutputChange::kSpindlePwm;
     result.spindle_pwm = pwm_to_board(*change.spindle_pwm);
   }
-  if (change.port) {
+  if (change.port && change.port->bit < Ports{}.size()) {
     result.port = static_cast<std::uint8_t>(change.port->bit + 1);
     result.port_on = change.port->on;
   }
-  if (change.pwm) {
+  if (change.pwm && change.pwm->channel < kPwmCount) {
     result.pwm = static_cast<std::uint8_t>(change.pwm->channel + 1);
     result.pwm_value = pwm_to_board(change.pwm->value);
   }

@@ -102,8 +102,8 @@ Error WirePort::no_answer() const {
     case RefusalReason::bad_setup:
       return error(
           ErrorCode::board_setup_refused,
-          "refused its setup: the maximum step frequency, a time-out or an acceleration is "
-          "out of range.");
+          "refused its setup: the maximum step frequency, a time of the pulses, a time-out "
+          "or an acceleration is out of range.");
     default:
       return error(ErrorCode::board_version,
                    "does not understand the greeting: its firmware and this program are of "
@@ -139,8 +139,6 @@ bool WirePort::take_welcome(ByteReader& body) {
   answer_.identity = identity;
   window_ = std::min<std::uint32_t>(identity.window, kWindow);
   answer_.counts_lost = boot_known_ && identity.boot != boot_;
-  boot_ = identity.boot;
-  boot_known_ = true;
   state_ = State::running;
   note_answer();
   sequence_ = executed_ = waiting_ = newest_answer_ = stops_ = 0;
@@ -295,6 +293,9 @@ bool WirePort::take_status(ByteReader& body) {
                      numbers.executed - executed_ <= on_their_way();
   if (!taken) return false;
   if (!answer_.connected) {
+    // Not before: whoever uses this link has to be told that the counts are lost.
+    boot_ = answer_.identity.boot;
+    boot_known_ = true;
     answer_.connected = true;
     ++answer_.greetings;
   }

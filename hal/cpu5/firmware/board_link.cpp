@@ -89,12 +89,12 @@ bool BoardLink::takes_session(std::uint32_t session, ByteReader& body, RefusalRe
   return true;
 }
 
-/// Nothing that an earlier host had asked for goes on, but drives that are on stay on.
+/// The setup has emptied the FIFO. Nothing that an earlier host had asked for goes on, but drives
+/// that are on stay on.
 void BoardLink::begin_session(std::uint32_t session) {
   session_ = session;
   executed_ = answers_ = stops_ = 0;
   for (WaitingFrame& waiting : waiting_) waiting.here = false;
-  core_.quick_stop();
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) core_.disarm_latch(axis);
   core_.disarm_probe();
   core_.set_outputs({.drives_enabled = core_.status().outputs.drives_enabled});

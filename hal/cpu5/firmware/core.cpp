@@ -1,5 +1,7 @@
 #include "hal/cpu5/firmware/core.h"
 
+#include <utility>
+
 #include "hal/cpu5/firmware/pulse_shaper.h"
 
 namespace cnc::hal::cpu5::firmware {
@@ -58,6 +60,8 @@ Core::Core(BoardIo& io) : io_(io), player_(io) {
 bool Core::set_up(const Setup& setup) {
   const HostCall call(*this);
   if (!in_range(setup) || moving()) return false;
+  stop_pulses();
+  stop_again_ = false;
   setup_ = setup;
   io_.set_up(setup_);
   guards_.set_rules(setup_.guards);
@@ -166,6 +170,7 @@ void Core::keep_waiting(std::uint32_t count) {
 void Core::quick_stop() {
   const HostCall call(*this);
   stop_pulses();
+  stop_again_ = false;
 }
 
 void Core::stop_along_path() {
@@ -175,13 +180,16 @@ void Core::stop_along_path() {
 
 void Core::release_stop() {
   const HostCall call(*this);
-  if (path_stop_ == PathStop::stopped) path_stop_ = PathStop::none;
+  if (path_stop_ != PathStop::stopped) return;
+  path_stop_ = PathStop::none;
+  if (std::exchange(stop_again_, false)) begin_stop();
 }
 
 void Core::clear_faults() {
   const HostCall call(*this);
+  player_.forget_alarms();  // first: one that comes now is seen
   stop_pulses();
-  player_.forget_alarms();
+  stop_again_ = false;
   faults_ = 0;
   if (player_.inputs_now().estop()) fail(kEstop);  // still pressed
 }
@@ -221,6 +229,8 @@ void Core::watch_guards(PortBits ports) {
     case GuardAction::warning:
       return;
     case GuardAction::smooth_stop:
+      // The release of a stop that is under way is not meant for this one.
+      stop_again_ = path_stop_ != PathStop::none;
       return begin_stop();
     case GuardAction::quick_stop:
       return fail(kGuardStop);

@@ -186,6 +186,7 @@ class Core {
   PathTime elapsed_ = 0;
   TimeScale time_scale_ = kFullScale;
   PathStop path_stop_ = PathStop::none;
+  bool stop_again_ = false;       // a guard asked for it during a stop
   bool stop_is_planned_ = false;  // to its end
   bool probe_awaited_ = false;
   bool waiting_for_index_ = false;

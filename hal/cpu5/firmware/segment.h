@@ -87,7 +87,8 @@ inline constexpr std::uint16_t kMaxDirectionTicks = 400;
 struct Setup {
   StepVelocity max_velocity = 0;  ///< faster segments are refused; 1 … kTopVelocity
   Ticks host_timeout = 0;         ///< silence after which the link counts as lost; 0 = never
-  Ticks index_timeout = 0;        ///< without the spindle's index pulses, when they are waited for; 0 = never
+  Ticks index_timeout =
+      0;  ///< without the spindle's index pulses, when they are waited for; 0 = never
   bool drives_off_on_fault = true;
   // The drives' pulses (pulse_shaper.h). A pulse and its pause take twice the width, which has to
   // fit into the period at max_velocity; direction times 0 … kMaxDirectionTicks.
