@@ -85,7 +85,7 @@ class Bench {
  public:
   Bench(const std::string& programs, const bench::Options& options)
       // The board is hardware: what keeps this computer busy does not delay it.
-      : board_(command({"chrt", "-f", "70", programs + "/cpu5sim"},
+      : board_(command({"/usr/bin/chrt", "-f", "70", programs + "/cpu5sim"},
                        {"--port", "0", "--loss", fmt::to_string(options["loss"]), "--jitter",
                         fmt::to_string(options["jitter"])}),
                folder_.file("board").string()),
@@ -183,7 +183,8 @@ int run(const std::string& programs, const bench::Options& options) {
   std::unique_ptr<test::Process> stress;
   if (loaded)
     stress = std::make_unique<test::Process>(
-        std::vector<std::string>{"stress-ng", "--cpu", "0", "--vm", "1", "--vm-bytes", "128M"},
+        std::vector<std::string>{"/usr/bin/stress-ng", "--cpu", "0", "--vm", "1", "--vm-bytes",
+                                 "128M"},
         (std::filesystem::temp_directory_path() / "link_bench_stress").string());
   std::this_thread::sleep_for(std::chrono::seconds(2));
   measure_holds(machine, holds, "under load");
