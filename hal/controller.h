@@ -197,7 +197,7 @@ class Controller {
   /// Segments are taken again, from where the machine stands. Only when stopped; else nothing.
   /// quick_stop() and clear_faults() release too.
   virtual void release_stop() = 0;
-  /// Clears faults whose cause is gone; the FIFO is empty afterwards.
+  /// Clears all faults; an estop that is still pressed is one again. The FIFO is empty afterwards.
   virtual void clear_faults() = 0;
   /// Gives the present step count of an axis a new machine position, exactly. False, and nothing
   /// changed, while moving.

@@ -203,7 +203,7 @@ class Player {
         pass_time(event.time);
         return drive_inputs(controller_->machine(), step.exchange.status.inputs, wheel_);
       case Event::Kind::pulse:
-        return give_pulse(event.time, step.exchange.status.faults);
+        return give_pulse(event.time);
       case Event::Kind::reset:
         pass_time(event.time);
         return controller_->board().reset();
@@ -231,17 +231,11 @@ class Player {
   }
 
   /// Too short for a status to show it, long enough for the board.
-  void give_pulse(double time, Faults faults) {
+  void give_pulse(double time) {
     pass_time(time);
-    sim::VirtualMachine& machine = controller_->machine();
-    const auto set = [&](bool on) {
-      if ((faults & static_cast<Faults>(Fault::estop)) != 0) machine.press_estop(on);
-      if ((faults & static_cast<Faults>(Fault::step_loss)) != 0)
-        machine.raise_drive_alarm(Axis::X, on);
-    };
-    set(true);
+    controller_->machine().press_estop(true);
     pass_time(time + kPulse);
-    set(false);
+    controller_->machine().press_estop(false);
   }
 
   void see(const Event& event, const ControllerStatus& status) {

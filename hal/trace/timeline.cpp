@@ -161,13 +161,11 @@ class Timeline {
            a.ports != b.ports || a.analog != b.analog || a.hand_wheel_count != b.hand_wheel_count;
   }
 
-  /// An alarm ends when the drives are switched off, which the fault does.
+  /// A drive's alarm is shown until faults are cleared.
   [[nodiscard]] static bool cause_is_gone(const ControllerStatus& before,
                                           const ControllerStatus& after) {
     const int raised = after.faults & ~before.faults;
-    const bool has_alarm = after.inputs.drive_alarm != AxisArray<bool>{};
-    return ((raised & static_cast<Faults>(Fault::step_loss)) != 0 && !has_alarm) ||
-           ((raised & static_cast<Faults>(Fault::estop)) != 0 && !after.inputs.estop());
+    return (raised & static_cast<Faults>(Fault::estop)) != 0 && !after.inputs.estop();
   }
 
   /// Between two statuses: where a fault stopped the path, or a latch caught it; else in the

@@ -15,7 +15,7 @@ struct Event {
   /// In the order in which they happen at one moment.
   enum class Kind : std::uint8_t {
     inputs,  ///< become those of the step
-    pulse,   ///< an input caused the step's fault and was gone when the status was made
+    pulse,   ///< an estop was pressed and was gone when the status was made
     cable_in,
     requests,   ///< of the step arrive
     silence,    ///< the step's exchange brought nothing, and its requests did not arrive

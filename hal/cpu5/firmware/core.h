@@ -95,7 +95,8 @@ class Core {
   void stop_along_path();
   /// Segments are taken again. Without effect while still stopping.
   void release_stop();
-  /// Stops as quick_stop() does, and forgets faults whose cause is gone.
+  /// Stops as quick_stop() does, and forgets all faults; an estop that is still pressed is one
+  /// again.
   void clear_faults();
   /// Refused while a fault is pending.
   bool set_outputs(const Outputs& outputs);
