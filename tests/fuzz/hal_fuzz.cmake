@@ -1,3 +1,3 @@
-cnc_fuzz(hal_fuzz "${CMAKE_CURRENT_LIST_DIR}/hal_fuzz.cpp" cnc_hal)
-cnc_fuzz(scenario_fuzz "${CMAKE_CURRENT_LIST_DIR}/scenario_fuzz.cpp" cnc_hal)
-cnc_fuzz(wire_fuzz "${CMAKE_CURRENT_LIST_DIR}/wire_fuzz.cpp" cnc_hal)
+foreach(name hal_fuzz scenario_fuzz wire_board_fuzz wire_host_fuzz)
+  cnc_fuzz(${name} "${CMAKE_CURRENT_LIST_DIR}/${name}.cpp" cnc_hal)
+endforeach()
