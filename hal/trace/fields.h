@@ -1,16 +1,11 @@
-// The fields of everything that a trace records, each named once. From these lists come the bytes
-// of a trace (encode), the way back (decode), the layout that stands in the file, and the columns
-// of a table: a new field is one line here.
+// The fields of everything that a trace records, each named once: a new field is one line here.
+// Who walks through them (field_walkers.h) makes the bytes of a trace of them, the way back, the
+// layout that stands in the file, the columns of a table.
 #pragma once
 
 #include <array>
-#include <bit>
-#include <bitset>
 #include <concepts>
-#include <cstring>
 #include <optional>
-#include <span>
-#include <string>
 #include <string_view>
 #include <type_traits>
 
@@ -19,13 +14,8 @@
 
 namespace cnc::hal::trace {
 
-static_assert(std::endian::native == std::endian::little,
-              "a trace is written as it lies in memory");
-
 template <typename S, typename T>
 concept Of = std::same_as<std::remove_const_t<S>, T>;
-
-// --- what a visitor gets to see: name and value of each field ------------------------------------
 
 template <typename V, Of<Segment> S>
 void visit_fields(V& v, S& s) {
@@ -142,6 +132,7 @@ void visit_fields(V& v, S& s) {
   v("home_latch", s.home_latch);
   v("probe_latch", s.probe_latch);
   v("outputs", s.outputs);
+  v("guard_counts", s.guard_counts);
   v("board", s.board);
   v("round_trip", s.round_trip);
   v("packets", s.packets);
@@ -192,15 +183,16 @@ template <typename V, typename S>
 requires std::is_empty_v<S>
 void visit_fields(V&, S&) {}
 
-inline constexpr std::array<std::string_view, 16> kOrdinals{
-    "1", "2", "3", "4", "5", "6", "7", "8", "9", "10", "11", "12", "13", "14", "15", "16"};
+inline constexpr std::array<std::string_view, 24> kOrdinals{
+    "1",  "2",  "3",  "4",  "5",  "6",  "7",  "8",  "9",  "10", "11", "12",
+    "13", "14", "15", "16", "17", "18", "19", "20", "21", "22", "23", "24"};
 
 template <typename V, typename T, std::size_t N>
-void visit_fields(V& v, std::array<T, N>& values) {
+requires(N <= kOrdinals.size()) void visit_fields(V& v, std::array<T, N>& values) {
   for (std::size_t i = 0; i < N; ++i) v(kOrdinals.at(i), values[i]);
 }
 template <typename V, typename T, std::size_t N>
-void visit_fields(V& v, const std::array<T, N>& values) {
+requires(N <= kOrdinals.size()) void visit_fields(V& v, const std::array<T, N>& values) {
   for (std::size_t i = 0; i < N; ++i) v(kOrdinals.at(i), values[i]);
 }
 template <typename V, typename T>
@@ -228,135 +220,5 @@ void visit_fields(V& v, std::optional<T>& value) {
   v("value", plain);
   value = is_set ? std::optional<T>(plain) : std::nullopt;
 }
-
-// --- what becomes of the single values -----------------------------------------------------------
-
-template <typename T>
-inline constexpr bool kIsBits = false;
-template <std::size_t N>
-inline constexpr bool kIsBits<std::bitset<N>> = N <= 64;
-
-template <typename T>
-concept Leaf = std::is_arithmetic_v<T> || std::is_enum_v<T> || kIsBits<T>;
-
-/// Goes down to the leaves: Derived has leaf(name, value), and enter(name) and leave() around what
-/// has fields of its own.
-template <typename Derived>
-class FieldWalker {
- public:
-  template <typename T>
-  void operator()(std::string_view name, T& value) {
-    Derived& self = static_cast<Derived&>(*this);
-    if constexpr (Leaf<std::remove_const_t<T>>) {
-      self.leaf(name, value);
-    } else {
-      self.enter(name);
-      visit_fields(self, value);
-      self.leave();
-    }
-  }
-  void enter(std::string_view) {}
-  void leave() {}
-};
-
-/// Real-time. What does not fit is not written, and overflow() tells.
-class Encoder : public FieldWalker<Encoder> {
- public:
-  explicit Encoder(std::span<std::byte> memory) : memory_(memory) {}
-
-  template <typename T>
-  void leaf(std::string_view, const T& value) {
-    if constexpr (kIsBits<T>) {
-      put(std::uint64_t{value.to_ullong()});
-    } else {
-      put(value);
-    }
-  }
-  [[nodiscard]] std::size_t size() const { return size_; }
-  [[nodiscard]] bool overflow() const { return overflow_; }
-
- private:
-  template <typename T>
-  void put(T value) {
-    overflow_ = overflow_ || memory_.size() - size_ < sizeof value;
-    if (overflow_) return;
-    std::memcpy(memory_.data() + size_, &value, sizeof value);
-    size_ += sizeof value;
-  }
-
-  std::span<std::byte> memory_;
-  std::size_t size_ = 0;
-  bool overflow_ = false;
-};
-
-/// Beyond the end, or where a value is none of its type, bad() tells.
-class Decoder : public FieldWalker<Decoder> {
- public:
-  explicit Decoder(std::span<const std::byte> bytes) : bytes_(bytes) {}
-
-  template <typename T>
-  void leaf(std::string_view, T& value) {
-    if constexpr (kIsBits<T>) {
-      value = T(get<std::uint64_t>());
-    } else if constexpr (std::is_same_v<T, bool>) {
-      const auto byte = get<std::uint8_t>();
-      bad_ = bad_ || byte > 1;
-      value = byte == 1;
-    } else if constexpr (std::is_enum_v<T>) {
-      const auto number = get<std::underlying_type_t<T>>();
-      bad_ = bad_ || number > static_cast<std::underlying_type_t<T>>(last_of(T{}));
-      if (!bad_) value = static_cast<T>(number);
-    } else {
-      value = get<T>();
-    }
-  }
-  [[nodiscard]] bool bad() const { return bad_; }
-  [[nodiscard]] bool at_end() const { return place_ == bytes_.size(); }
-
- private:
-  static constexpr Axis last_of(Axis) { return Axis::C; }
-  static constexpr PathStop last_of(PathStop) { return PathStop::stopped; }
-  static constexpr LatchEdge last_of(LatchEdge) { return LatchEdge::release; }
-
-  template <typename T>
-  [[nodiscard]] T get() {
-    T value{};
-    bad_ = bad_ || bytes_.size() - place_ < sizeof value;
-    if (bad_) return value;
-    std::memcpy(&value, bytes_.data() + place_, sizeof value);
-    place_ += sizeof value;
-    return value;
-  }
-
-  std::span<const std::byte> bytes_;
-  std::size_t place_ = 0;
-  bool bad_ = false;
-};
-
-/// Collects `text(name, value)` for each leaf, by its full name "status.position.X".
-template <typename Text>
-class FieldText : public FieldWalker<FieldText<Text>> {
- public:
-  explicit FieldText(Text text) : text_(text) {}
-
-  void enter(std::string_view name) {
-    starts_.push_back(path_.size());
-    path_ += name;
-    path_ += '.';
-  }
-  void leave() {
-    path_.resize(starts_.back());
-    starts_.pop_back();
-  }
-  template <typename T>
-  void leaf(std::string_view name, const T& value) {
-    text_(path_ + std::string(name), value);
-  }
-
- private:
-  Text text_;
-  std::string path_;
-  std::vector<std::size_t> starts_;
-};
 
 }  // namespace cnc::hal::trace

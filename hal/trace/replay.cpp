@@ -2,84 +2,23 @@
 
 #include <algorithm>
 #include <cmath>
-#include <deque>
 #include <utility>
 
 #include "config/ini_file.h"
 #include "hal/sim/virtual_controller.h"
+#include "hal/trace/card_flicker.h"
+#include "hal/trace/replay_beginning.h"
 #include "hal/trace/replay_judge.h"
 #include "hal/trace/timeline.h"
+#include "hal/trace/trace_check.h"
 
 namespace cnc::hal::trace {
 namespace {
 
-constexpr double kCycle = 0.002;         // s, where nothing was recorded
-constexpr double kLongestPiece = 0.1;    // s, of a run-up
-constexpr double kShortestRunUp = 0.01;  // s
-constexpr double kPulse = 0.0002;        // s, of an input: two of the board's slices
-constexpr double kClockStart = 1.0;      // s, of the replay: a port's clock begins above 0
-
-// --- where to begin ------------------------------------------------------------------------------
-
-/// What the board has in its FIFO, as far as it was recorded.
-class FifoModel {
- public:
-  void apply(const Request& request) {
-    if (const auto* segment = std::get_if<Segment>(&request)) segments_.push_back(*segment);
-    if (const auto* cut = std::get_if<CutBehind>(&request))
-      while (!segments_.empty() && segments_.back().id > cut->id) segments_.pop_back();
-    if (std::holds_alternative<QuickStop>(request) ||
-        std::holds_alternative<ClearFaults>(request) ||
-        std::holds_alternative<ReleaseStop>(request))
-      segments_.clear();
-  }
-  /// The one in execution and all behind it; empty if they are not all known.
-  [[nodiscard]] std::span<const Segment> from(const ControllerStatus& status) {
-    while (!segments_.empty() && segments_.front().id != status.executing_id &&
-           segments_.size() > status.fifo_count)
-      segments_.pop_front();
-    const bool known =
-        segments_.size() == status.fifo_count + 1 && segments_.front().id == status.executing_id;
-    contiguous_.assign(segments_.begin(), segments_.end());
-    return known ? std::span<const Segment>(contiguous_) : std::span<const Segment>{};
-  }
-
- private:
-  std::deque<Segment> segments_;
-  std::vector<Segment> contiguous_;
-};
-
-struct Beginning {
-  std::size_t event = 0;
-  std::vector<Segment> path;  ///< the segment in execution and those behind it; empty at rest
-};
-
-bool is_quiet(const ControllerStatus& status) {
-  const bool latched =
-      status.probe_latch.armed || std::ranges::any_of(status.home_latch.values, &Latch::armed);
-  const bool faulty = status.faults != 0 && (status.faults != static_cast<Faults>(Fault::estop) ||
-                                             !status.inputs.estop());
-  return !latched && !faulty && status.path_stop == PathStop::none;
-}
-
-std::optional<Beginning> find_beginning(const Trace& trace, std::span<const Event> events) {
-  FifoModel fifo;
-  for (std::size_t i = 0; i < events.size(); ++i) {
-    const Step& step = trace.steps[events[i].step];
-    if (events[i].kind == Event::Kind::requests)
-      for (const Request& request : step.requests) fifo.apply(request);
-    const ControllerStatus& status = step.exchange.status;
-    if (events[i].kind != Event::Kind::compare || !is_quiet(status)) continue;
-    if (!status.moving && status.fifo_count == 0) return Beginning{i, {}};
-    const auto path = fifo.from(status);
-    if (path.empty() || status.time_scale != 1.0 || status.faults != 0) continue;
-    if (std::ranges::any_of(path, follows_spindle)) continue;
-    return Beginning{i, {path.begin(), path.end()}};
-  }
-  return std::nullopt;
-}
-
-// --- the virtual machine -------------------------------------------------------------------------
+constexpr double kCycle = kReplayCycle;
+constexpr double kLongestPiece = 0.1;  // s, of a run-up
+constexpr double kPulse = 0.0002;      // s, of an input: two of the board's slices
+constexpr double kClockStart = 1.0;    // s, of the replay: a port's clock begins above 0
 
 /// Without travel: switches are driven as recorded, and nothing stands in the way.
 config::MachineConfig without_travel(config::MachineConfig config) {
@@ -88,6 +27,10 @@ config::MachineConfig without_travel(config::MachineConfig config) {
     config.axes[axis].home_velocity = 0.0;
   }
   return config;
+}
+
+void drive_ports(sim::VirtualMachine& machine, const Ports& ports) {
+  for (std::size_t port = 0; port < ports.size(); ++port) machine.set_port_input(port, ports[port]);
 }
 
 void drive_inputs(sim::VirtualMachine& machine, const Inputs& inputs, std::int32_t& wheel) {
@@ -99,10 +42,11 @@ void drive_inputs(sim::VirtualMachine& machine, const Inputs& inputs, std::int32
     machine.stick_switch(axis, sim::VirtualMotor::Switch::home, inputs.home[axis]);
     machine.raise_drive_alarm(axis, inputs.drive_alarm[axis]);
   }
-  for (std::size_t port = 0; port < inputs.ports.size(); ++port)
-    machine.set_port_input(port, inputs.ports[port]);
+  drive_ports(machine, inputs.ports);
   for (std::size_t i = 0; i < kAnalogCount; ++i) machine.set_analog_input(i, inputs.analog[i]);
-  machine.turn_hand_wheel(inputs.hand_wheel_count - std::exchange(wheel, inputs.hand_wheel_count));
+  const std::int64_t turned = std::int64_t{inputs.hand_wheel_count} - wheel;  // may have gone round
+  wheel = inputs.hand_wheel_count;
+  machine.turn_hand_wheel(static_cast<std::int32_t>(turned));
 }
 
 struct Ask {
@@ -131,13 +75,13 @@ class Player {
         events_(events),
         config_(config),
         beginning_(beginning),
+        compared_(events[beginning.event].step),
         controller_(
             sim::make_virtual_controller(without_travel(config), {.driver = trace.about.driver})) {}
 
   [[nodiscard]] Result<std::vector<Seen>> play() {
-    if (auto connected = controller_->connect(); !connected)
-      return std::unexpected(connected.error());
-    beginning_.path.empty() ? take_over_at_rest() : take_over_in_motion();
+    auto taken = beginning_.path.empty() ? take_over_at_rest() : take_over_in_motion();
+    if (!taken) return std::unexpected(taken.error());
     for (const Event& event : events_.subspan(beginning_.event + 1)) perform(event);
     return std::move(seen_);
   }
@@ -154,34 +98,44 @@ class Player {
   }
   [[nodiscard]] double controller_time() const { return clock_ - origin_ + kClockStart; }
 
-  /// A moment before, with inputs, outputs and positions as they were.
-  void set_scene(double time, const Position& position) {
-    origin_ = clock_ = time - 5.0 * kCycle;
-    drive_inputs(controller_->machine(), recorded().inputs, wheel_);
-    exchange(origin_);
-    for (const Axis axis : kAllAxes) controller_->set_position(axis, position[axis]);
-    controller_->set_outputs(recorded().outputs);
+  /// A moment before, with inputs, outputs and positions as they were. Rules of I/O cards that are
+  /// true then act at the connection and are over; an estop comes last, because the board keeps
+  /// outputs that are on only through a fault.
+  [[nodiscard]] Result<void> set_scene(double time, const Position& position) {
+    origin_ = clock_ = time - 6.0 * kCycle;
+    Inputs inputs = recorded().inputs;
+    inputs.estop1 = inputs.estop2 = false;
+    drive_inputs(controller_->machine(), inputs, wheel_);
+    pass_time(origin_);
+    pass_time(origin_ + kCycle);  // the board has seen them when its rules come
+    if (auto connected = controller_->connect(); !connected)
+      return std::unexpected(connected.error());
     exchange(origin_ + kCycle);
+    exchange(origin_ + 2.0 * kCycle);
+    controller_->clear_faults();
+    controller_->set_outputs(recorded().outputs);
+    for (const Axis axis : kAllAxes) controller_->set_position(axis, position[axis]);
+    exchange(origin_ + 3.0 * kCycle);
+    drive_inputs(controller_->machine(), recorded().inputs, wheel_);
+    guards_.begin(exchange(origin_ + 4.0 * kCycle));
+    return {};
   }
 
-  void take_over_at_rest() {
-    set_scene(begin_time(), recorded().position);
+  [[nodiscard]] Result<void> take_over_at_rest() {
+    if (auto set = set_scene(begin_time(), recorded().position); !set) return set;
     compare_from_ = begin_time();
     exchange(begin_time());
+    return {};
   }
 
   /// From a standstill with even acceleration, so that the end of the segment in execution is
   /// reached in time and at its speed.
-  void take_over_in_motion() {
+  [[nodiscard]] Result<void> take_over_in_motion() {
     const Segment& first = beginning_.path.front();
-    const double rest = (1.0 - recorded().executing_phase) * first.duration;
-    double time = std::max(kShortestRunUp, rest + kCycle);
-    for (const Axis axis : kAllAxes)
-      if (const double limit = config_.axes[axis].acceleration; limit > 0.0)
-        time = std::max(time, std::abs(first.velocity[axis]) / limit);
-    const double end = begin_time() + rest;
+    const double time = beginning_.run_up;
+    const double end = begin_time() + beginning_.rest;
     const Position start = first.position - first.velocity * (0.5 * time);
-    set_scene(end - time, start);
+    if (auto set = set_scene(end - time, start); !set) return set;
     exchange(end - time - kCycle);
     const auto pieces = static_cast<std::uint32_t>(std::ceil(time / kLongestPiece));
     for (std::uint32_t piece = 1; piece <= pieces; ++piece) {
@@ -194,6 +148,7 @@ class Player {
     for (const Segment& segment : std::span(beginning_.path).subspan(1)) Ask{*controller_}(segment);
     for (double at = end - time; at < begin_time(); at += kCycle) exchange(at);
     compare_from_ = end + kCycle;
+    return {};
   }
 
   void perform(const Event& event) {
@@ -204,6 +159,8 @@ class Player {
         return drive_inputs(controller_->machine(), step.exchange.status.inputs, wheel_);
       case Event::Kind::pulse:
         return give_pulse(event.time);
+      case Event::Kind::card_pulse:
+        return give_card_pulse(event);
       case Event::Kind::reset:
         pass_time(event.time);
         return controller_->board().reset();
@@ -238,25 +195,43 @@ class Player {
     controller_->machine().press_estop(false);
   }
 
+  /// Too short for a status to show it, too.
+  void give_card_pulse(const Event& event) {
+    const ControllerStatus& before = trace_.steps[compared_].exchange.status;
+    const ControllerStatus& after = trace_.steps[event.step].exchange.status;
+    const Ports ports = flickered(before, after, config_.guards);
+    if (ports == after.inputs.ports) return;
+    pass_time(event.time);
+    drive_ports(controller_->machine(), ports);
+    pass_time(event.time + kPulse);
+    drive_ports(controller_->machine(), after.inputs.ports);
+  }
+
   void see(const Event& event, const ControllerStatus& status) {
+    compared_ = event.step;
     if (event.time < compare_from_) return;
     seen_.push_back({.step = event.step,
                      .faults = status.faults,
                      .executing_id = status.executing_id,
                      .path_stop = status.path_stop,
+                     .cut_late = status.cut_late,
                      .moving = status.moving,
-                     .position = status.position});
+                     .position = status.position,
+                     .outputs = status.outputs,
+                     .guard_counts = guards_.since_beginning(status)});
   }
 
   const Trace& trace_;
   std::span<const Event> events_;
   const config::MachineConfig& config_;
   const Beginning& beginning_;
+  std::size_t compared_;  // the last step that was, or the one to begin with
   std::unique_ptr<sim::VirtualController> controller_;
   std::int32_t wheel_ = 0;
   double origin_ = 0.0;
   double clock_ = 0.0;
   double compare_from_ = 0.0;
+  GuardTally guards_;
   std::vector<Seen> seen_;
 };
 
@@ -266,8 +241,10 @@ Result<ReplayReport> replay(const Trace& trace) {
   const auto config =
       config::parse_machine_config(trace.about.config, "configuration of the trace");
   if (!config) return std::unexpected(config.error().front());
+  if (const auto absurd = what_no_board_says(trace))
+    return fail(ErrorCode::trace_cannot_begin, *absurd + " No board does that.");
   const std::vector<Event> events = timeline_of(trace);
-  const auto beginning = find_beginning(trace, events);
+  const auto beginning = find_beginning(trace, events, *config);
   if (!beginning)
     return fail(ErrorCode::trace_cannot_begin,
                 "Nowhere in the trace does the board stand still, or is all of its FIFO known.");

@@ -6,6 +6,9 @@
 // known whole: a standstill with an empty FIFO, or a segment in execution of which all that follows
 // was recorded; it then runs up to its end with the axes' acceleration.
 //
+// Faults, the stop along the path, late cuts, the segment in execution, positions, digital outputs
+// and how often guard rules have acted are compared.
+//
 // Not compared: motion that follows the spindle, which the virtual machine does not have, up to the
 // next standstill behind it.
 #pragma once
@@ -34,12 +37,14 @@ struct ReplayReport {
   bool in_motion = false;  ///< there
   std::size_t compared = 0;
   std::size_t following_spindle = 0;     ///< statuses that were not compared
+  std::size_t late_cuts = 0;             ///< recorded: a cut that came too late for the board
   double largest_deviation = 0.0;        ///< of any axis, mm or degrees, at the same moment
   std::vector<FaultChange> faults;       ///< recorded, behind the beginning
   std::optional<Difference> difference;  ///< the first; none: reproduced
 };
 
-/// An error if the configuration in the trace cannot be read, or there is no place to begin.
+/// An error if the configuration in the trace cannot be read, the trace holds what no board says,
+/// or there is no place to begin. Bounded in time, whatever the trace.
 [[nodiscard]] Result<ReplayReport> replay(const Trace& trace);
 
 }  // namespace cnc::hal::trace

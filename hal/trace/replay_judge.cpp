@@ -20,10 +20,31 @@ std::string_view text_of(PathStop stop) {
   return kTexts.at(static_cast<std::size_t>(stop));
 }
 
+struct NamedOutput {
+  std::string_view name;
+  bool Outputs::*value;
+};
+constexpr NamedOutput kNamedOutputs[] = {
+    {"the output for the drives", &Outputs::drives_enabled},
+    {"the spindle's relay", &Outputs::spindle_on},
+    {"the tool direction", &Outputs::tool_direction},
+    {"mist", &Outputs::mist},
+    {"flood", &Outputs::flood},
+};
+
+/// As M54 and M56 number it (hal/ports.h).
+std::size_t port_number(std::size_t bit) {
+  if (bit < kAuxCount) return bit + 1;
+  const std::size_t of_cards = bit - kAuxCount;
+  return 100 * (of_cards / kCardPorts + 1) + of_cards % kCardPorts + 1;
+}
+
 class Judge {
  public:
-  Judge(const Trace& trace, std::span<const Seen> seen, const config::MachineConfig& config)
+  Judge(const Trace& trace, std::span<const Seen> seen, const config::MachineConfig& config,
+        std::size_t begin)
       : trace_(trace), seen_(seen), config_(config) {
+    guards_.begin(trace.steps[begin].exchange.status);
     for (const Step& step : trace.steps)
       for (const Request& request : step.requests)
         if (const auto* segment = std::get_if<Segment>(&request))
@@ -36,6 +57,7 @@ class Judge {
     for (std::size_t i = 0; i < seen_.size(); ++i) {
       const ControllerStatus& recorded = status(i);
       note_fault(report, i);
+      note_late_cut(report, i);
       following = std::ranges::binary_search(spindle_ids_, recorded.executing_id) ||
                   (following && !both_at_rest(i));
       if (following) {
@@ -64,6 +86,9 @@ class Judge {
     const Faults before = report.faults.empty() ? Faults{0} : report.faults.back().faults;
     if (status(i).faults != before) report.faults.push_back({seen_[i].step, status(i).faults});
   }
+  void note_late_cut(ReplayReport& report, std::size_t i) const {
+    if (status(i).cut_late && (i == 0 || !status(i - 1).cut_late)) ++report.late_cuts;
+  }
   [[nodiscard]] std::span<const Seen> around(std::size_t i) const {
     const std::size_t first = i - std::min(i, kSlack);
     return seen_.subspan(first, std::min(seen_.size(), i + kSlack + 1) - first);
@@ -77,6 +102,8 @@ class Judge {
     const bool no_such_fault = none_has(i, &Seen::faults, faults);
     std::optional<std::string> other = state_difference(i);
     if (!other) other = place_difference(i);
+    if (!other) other = output_difference(i);
+    if (!other) other = guard_difference(i);
     if (no_such_fault || (other && faults != seen.faults))
       return fmt::format("faults are {}, replayed {}", fault_names(faults),
                          fault_names(seen.faults));
@@ -88,6 +115,9 @@ class Judge {
     if (none_has(i, &Seen::path_stop, recorded.path_stop))
       return fmt::format("the stop along the path is {}, replayed {}", text_of(recorded.path_stop),
                          text_of(seen_[i].path_stop));
+    if (none_has(i, &Seen::cut_late, recorded.cut_late))
+      return fmt::format("the last cut was {}, replayed {}", recorded.cut_late ? "late" : "in time",
+                         seen_[i].cut_late ? "late" : "in time");
     const auto ids = std::ranges::minmax(around(i), {}, &Seen::executing_id);
     if (recorded.executing_id < ids.min.executing_id ||
         recorded.executing_id > ids.max.executing_id)
@@ -111,6 +141,41 @@ class Judge {
     return std::nullopt;
   }
 
+  /// Digital ones.
+  [[nodiscard]] std::optional<std::string> output_difference(std::size_t i) const {
+    const auto differs = [&](auto value_of) {
+      return std::ranges::none_of(around(i), [&](const Seen& seen) {
+        return value_of(seen.outputs) == value_of(status(i).outputs);
+      });
+    };
+    const auto text = [](const auto& name, bool on) {
+      return fmt::format("{} is {}, replayed {}", name, on ? "on" : "off", on ? "off" : "on");
+    };
+    for (const NamedOutput& output : kNamedOutputs)
+      if (differs([&](const Outputs& outputs) { return outputs.*output.value; }))
+        return text(output.name, status(i).outputs.*output.value);
+    for (std::size_t bit = 0; bit < Ports{}.size(); ++bit)
+      if (differs([&](const Outputs& outputs) { return bool{outputs.ports[bit]}; }))
+        return text(fmt::format("output {}", port_number(bit)), status(i).outputs.ports[bit]);
+    return std::nullopt;
+  }
+
+  [[nodiscard]] std::optional<std::string> guard_difference(std::size_t i) const {
+    const GuardCounts recorded = guards_.since_beginning(status(i));
+    for (std::size_t rule = 0; rule < recorded.size(); ++rule) {
+      if (std::ranges::any_of(around(i), [&](const Seen& seen) {
+            return seen.guard_counts[rule] == recorded[rule];
+          }))
+        continue;
+      return fmt::format(
+          "guard rule {} of card {} has acted {} times since the beginning, "
+          "replayed {}",
+          rule % config::kRulesPerCard + 1, rule / config::kRulesPerCard + 1, recorded[rule],
+          seen_[i].guard_counts[rule]);
+    }
+    return std::nullopt;
+  }
+
   template <typename Member, typename Value>
   [[nodiscard]] bool none_has(std::size_t i, Member member, Value value) const {
     return std::ranges::none_of(around(i), [&](const Seen& seen) { return seen.*member == value; });
@@ -120,13 +185,14 @@ class Judge {
   std::span<const Seen> seen_;
   const config::MachineConfig& config_;
   std::vector<std::uint32_t> spindle_ids_;
+  GuardTally guards_;
 };
 
 }  // namespace
 
 void judge(const Trace& trace, std::span<const Seen> seen, const config::MachineConfig& config,
            ReplayReport& report) {
-  Judge(trace, seen, config).judge(report);
+  Judge(trace, seen, config, report.begin).judge(report);
 }
 
 }  // namespace cnc::hal::trace

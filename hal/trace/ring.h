@@ -14,7 +14,7 @@
 #include <memory>
 #include <vector>
 
-#include "hal/trace/fields.h"
+#include "hal/trace/field_walkers.h"
 
 namespace cnc::hal::trace {
 

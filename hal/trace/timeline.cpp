@@ -18,6 +18,10 @@ constexpr double kPatience = 0.25;
 constexpr double kGreetingInterval = 0.1;
 /// Between a request and the status that knows of it, in exchanges.
 constexpr std::size_t kLongestWait = 200;
+/// Segments that a board can make between two answers: what it has, and what is on its way.
+constexpr std::uint32_t kMostBetween = 2 * cpu5::firmware::kFifoCapacity;
+/// From an input that a board sees to the motion that shows it (core.h).
+constexpr double kPlannedAhead = 0.00025;  // s
 
 class Timeline {
  public:
@@ -111,7 +115,7 @@ class Timeline {
       if (!is_fresh(k) || status(k).frames_done < steps_[i].exchange.frame) continue;
       const bool was_at_rest = heard && !status(*heard).moving;
       const auto began = was_at_rest ? beginning_of_motion(i, k) : std::nullopt;
-      return began ? std::clamp(*began, board_time(*heard), board_time(k)) : board_time(k);
+      return began ? std::min(std::max(*began, board_time(*heard)), board_time(k)) : board_time(k);
     }
     return std::nullopt;
   }
@@ -146,6 +150,9 @@ class Timeline {
     if (was_reset) add(board_time(after), Event::Kind::inputs, after);
     if (cause_is_gone(status(before), status(after)))
       add(moment_of_change(before, after), Event::Kind::pulse, after);
+    if (status(after).sessions == status(before).sessions &&
+        status(after).guard_counts != status(before).guard_counts)
+      add(moment_of_change(before, after), Event::Kind::card_pulse, after);
   }
 
   void note_silence_at_end(std::size_t heard) {
@@ -175,15 +182,33 @@ class Timeline {
     const double to = board_time(after);
     if (status(after).faults != 0 && status(before).faults == 0) {
       if (const auto driven = path_time_between(status(before), status(after)))
-        return std::min(from + *driven, to);
+        return std::min(from + std::max(*driven, 0.0), to);
     }
+    if (const auto stopping = time_of_guard_stop(status(before), status(after)))
+      return std::clamp(to - *stopping, from, to);
     if (const auto part = part_at_latch(status(before), status(after)))
       return from + std::clamp(*part, 0.0, 1.0) * (to - from);
     return 0.5 * (from + to);
   }
 
+  /// How long a guard rule has been stopping the path. Path time that slows down evenly by r falls
+  /// behind by A = r d^2 / 2 in the time d; the scale that a status shows is that of a moment
+  /// ahead, lower than 1 by B = r (d + ahead). Hence B d^2 - 2 A d - 2 A ahead = 0.
+  [[nodiscard]] std::optional<double> time_of_guard_stop(const ControllerStatus& before,
+                                                         const ControllerStatus& after) const {
+    const bool begun = before.path_stop == PathStop::none && before.time_scale == 1.0 &&
+                       after.path_stop == PathStop::stopping && after.time_scale < 1.0 &&
+                       before.guard_counts != after.guard_counts;
+    const auto driven = begun ? path_time_between(before, after) : std::nullopt;
+    if (!driven) return std::nullopt;
+    const double a = std::max(after.time - before.time - *driven, 0.0);
+    const double b = 1.0 - after.time_scale;
+    return (a + std::sqrt(a * a + 2.0 * a * b * kPlannedAhead)) / b + kPlannedAhead;
+  }
+
   [[nodiscard]] std::optional<double> path_time_between(const ControllerStatus& before,
                                                         const ControllerStatus& after) const {
+    if (after.executing_id - before.executing_id > kMostBetween) return std::nullopt;
     double sum = 0.0;
     for (std::uint32_t id = before.executing_id; id <= after.executing_id; ++id) {
       const auto found = durations_.find(id);

@@ -14,8 +14,9 @@ namespace cnc::hal::trace {
 struct Event {
   /// In the order in which they happen at one moment.
   enum class Kind : std::uint8_t {
-    inputs,  ///< become those of the step
-    pulse,   ///< an estop was pressed and was gone when the status was made
+    inputs,      ///< become those of the step
+    pulse,       ///< an estop was pressed and was gone when the status was made
+    card_pulse,  ///< guard rules have acted, since the status before
     cable_in,
     requests,   ///< of the step arrive
     silence,    ///< the step's exchange brought nothing, and its requests did not arrive

@@ -7,12 +7,13 @@
 
 #include "hal/cpu5/wire/crc32.h"
 #include "hal/trace/ring.h"
+#include "hal/trace/trace_check.h"
 
 namespace cnc::hal::trace {
 namespace {
 
 constexpr std::string_view kMagic = "CNCTRACE";
-constexpr std::uintmax_t kLargestFile = std::uintmax_t{256} << 20U;
+constexpr std::uintmax_t kLargestFile = std::uintmax_t{64} << 20U;
 
 enum class Section : std::uint32_t { end = 0, about = 1, config = 2, layout = 3, records = 4 };
 
@@ -173,6 +174,15 @@ std::span<const std::uint64_t> newest(std::span<const std::uint64_t> records, do
   return records.subspan(begin);
 }
 
+std::size_t count_requests(std::span<const std::uint64_t> records) {
+  std::size_t count = 0;
+  for_each_record(records, [&](RecordHead head, std::span<const std::uint64_t>) {
+    if (head.kind != kExchange) ++count;
+    return true;
+  });
+  return count;
+}
+
 bool read_steps(std::span<const std::uint64_t> records, std::vector<Step>& steps) {
   Step step;
   return for_each_record(records, [&](RecordHead head, std::span<const std::uint64_t> record) {
@@ -251,10 +261,15 @@ Result<Trace> parse_trace(std::string_view bytes, std::string_view name) {
                 fmt::format("The trace file {} was written by version {}, which records other "
                             "fields than this one.",
                             name, trace.about.server));
+  if (records->size() % sizeof(std::uint64_t) != 0)
+    return reader.damaged("has a record that is none");
   std::vector<std::uint64_t> words(records->size() / sizeof(std::uint64_t));
-  std::memcpy(words.data(), records->data(), words.size() * sizeof(std::uint64_t));
+  if (!words.empty()) std::memcpy(words.data(), records->data(), records->size());
+  if (count_requests(words) > kMostRequests)
+    return reader.damaged(fmt::format("has more than {} requests", kMostRequests));
   if (!read_steps(words, trace.steps)) return reader.damaged("has a record that is none");
   if (trace.steps.empty()) return reader.damaged("has no exchange in it");
+  if (const auto nonsense = what_no_server_writes(trace)) return reader.damaged(*nonsense);
   return trace;
 }
 

@@ -5,7 +5,7 @@
 
 #include "config/atomic_file.h"
 #include "hal/fault_names.h"
-#include "hal/trace/fields.h"
+#include "hal/trace/field_walkers.h"
 #include "server/job/overloaded.h"
 #include "server/machine/state_table.h"
 

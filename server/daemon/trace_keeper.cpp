@@ -13,6 +13,7 @@ namespace cnc::server {
 namespace {
 
 constexpr std::string_view kSuffix = ".trace";
+constexpr std::string_view kAskedFor = "asked_for";
 
 /// "estop, link_lost" as a part of a file name: its first word. Colons and the like are no part of
 /// a name on a memory stick.
@@ -37,7 +38,15 @@ void TraceKeeper::save_after_fault(std::string_view reason) {
 }
 
 void TraceKeeper::save_now(Answer answer) {
-  thread_.post([this, answer = std::move(answer)] { answer(write("asked_for")); });
+  thread_.post([this, answer = std::move(answer)] { answer(write_when_asked()); });
+}
+
+Result<std::filesystem::path> TraceKeeper::write_when_asked() {
+  const Moment now = std::chrono::steady_clock::now();
+  if (last_asked_ && now - last_asked_->when < settings_.rest) return last_asked_->path;
+  auto written = write(std::string(kAskedFor));
+  if (written) last_asked_ = {now, *written};
+  return written;
 }
 
 void TraceKeeper::write_after_fault(const std::string& reason) {
@@ -75,16 +84,23 @@ Result<std::filesystem::path> TraceKeeper::write(const std::string& reason) {
   return path;
 }
 
-/// Their names begin with the time. What is not a trace is left alone.
+/// Their names begin with the time. What is not a trace is left alone; traces that were asked for
+/// do not push out those of faults.
 void TraceKeeper::remove_oldest() const {
-  std::vector<std::filesystem::path> traces;
+  std::vector<std::filesystem::path> asked_for;
+  std::vector<std::filesystem::path> of_faults;
   std::error_code error;
   std::filesystem::directory_iterator entry(settings_.folder, error);
-  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error))
-    if (entry->path().extension() == kSuffix) traces.push_back(entry->path());
-  std::ranges::sort(traces);
-  for (std::size_t i = 0; i + settings_.kept < traces.size(); ++i)
-    std::filesystem::remove(traces[i], error);
+  for (; !error && entry != std::filesystem::directory_iterator(); entry.increment(error)) {
+    if (entry->path().extension() != kSuffix) continue;
+    (entry->path().stem().string().ends_with(kAskedFor) ? asked_for : of_faults)
+        .push_back(entry->path());
+  }
+  for (auto* traces : {&asked_for, &of_faults}) {
+    std::ranges::sort(*traces);
+    for (std::size_t i = 0; i + settings_.kept < traces->size(); ++i)
+      std::filesystem::remove((*traces)[i], error);
+  }
 }
 
 }  // namespace cnc::server

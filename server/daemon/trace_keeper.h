@@ -1,6 +1,6 @@
 // Writes what the link has recorded to files, on a thread of its own: by itself when the board has
-// stopped in a fault, and when somebody asks. The newest ten stay, the others are removed. A file
-// that cannot be written is one warning, and nothing else.
+// stopped in a fault, and when somebody asks. The newest ten of either kind stay, the others are
+// removed. A file that cannot be written is one warning, and nothing else.
 #pragma once
 
 #include <atomic>
@@ -24,6 +24,9 @@ struct TraceKeeperSettings {
   /// A fault that follows a trace so soon gets none: a contact that flickers must not push the
   /// first fault out of the folder.
   std::chrono::milliseconds pause{5000};
+  /// Who asks so soon after a file that was asked for gets that one: no client can keep the disk
+  /// busy.
+  std::chrono::milliseconds rest{1000};
   std::size_t kept = 10;
 };
 
@@ -37,11 +40,19 @@ class TraceKeeper {
 
   /// Any thread; the log says where the file is. Faults until it is written are in the same file.
   void save_after_fault(std::string_view reason);
-  /// Any thread; answered on the keeper's.
+  /// Any thread; answered on the keeper's, with the file that was written for somebody a moment ago
+  /// if there is one.
   void save_now(Answer answer);
 
  private:
+  using Moment = std::chrono::steady_clock::time_point;
+  struct AskedFor {
+    Moment when;
+    std::filesystem::path path;
+  };
+
   void write_after_fault(const std::string& reason);
+  Result<std::filesystem::path> write_when_asked();
   Result<std::filesystem::path> write(const std::string& reason);
   void remove_oldest() const;
 
@@ -50,8 +61,9 @@ class TraceKeeper {
   hal::trace::About about_;
   const TraceKeeperSettings settings_;
   std::atomic<bool> fault_pending_{false};
-  bool warned_ = false;                                              // the thread's, as below
-  std::optional<std::chrono::steady_clock::time_point> last_fault_;  // that got a file
+  bool warned_ = false;               // the thread's, as below
+  std::optional<Moment> last_fault_;  // that got a file
+  std::optional<AskedFor> last_asked_;
   TaskThread thread_;  // the last: its tasks use the others
 };
 

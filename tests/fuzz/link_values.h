@@ -238,7 +238,8 @@ class FrameMaker {
 inline void vary(Bytes& bytes, Status& status) {
   switch (bytes.below(18)) {
     case 0:
-      status.time += bytes.flag() ? bytes.next<std::uint16_t>() : bytes.next<std::int64_t>() / 2;
+      status.time = bytes.flag() ? bytes.next<std::int64_t>()
+                                 : status.time % kTicksPerSecond + bytes.next<std::uint16_t>();
       return;
     case 1:
       status.faults = bytes.next<FaultBits>();

@@ -1,10 +1,14 @@
 // The trace of the link: what is recorded, as a file, and read again; and files that are none.
 #include <catch2/catch.hpp>
 #include <cstring>
+#include <limits>
 #include <thread>
 
+#include "config/ini_file.h"
 #include "hal/cpu5/wire/crc32.h"
+#include "hal/trace/replay.h"
 #include "hal/trace/ring.h"
+#include "hal/trace/trace_check.h"
 #include "hal/trace/trace_file.h"
 #include "hal/trace/traced_controller.h"
 #include "tests/allocations.h"
@@ -116,7 +120,7 @@ TEST_CASE("A ring keeps the newest whole records, however often it has gone roun
           "[hal][trace]") {
   Ring ring(1024);
   CHECK(ring.copy().empty());
-  // 20 words a segment, 65 an exchange: three or four of these groups fit.
+  // 20 words a segment, 73 an exchange: three of these groups fit.
   std::uint32_t id = 0;
   for (int i = 1; i <= 1000; ++i) {
     for (int k = 0; k < 10; ++k) ring.write(Segment{.id = ++id, .duration = 0.001});
@@ -252,6 +256,131 @@ TEST_CASE("Records that are none are refused though their check sum is right", "
     const auto trace = parse_trace(trace_bytes({}, row.words), "bad.trace");
     REQUIRE_FALSE(trace);
     CHECK(trace.error().code == ErrorCode::trace_damaged);
+  }
+}
+
+TEST_CASE("A number that no server writes is refused, and named", "[hal][trace]") {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  constexpr double kInfinite = std::numeric_limits<double>::infinity();
+  struct Row {
+    const char* rule;
+    void (*spoil)(About&, std::vector<Request>&, std::vector<Exchange>&);
+    const char* says;
+  };
+  const Row rows[] = {
+      {"a position that is no number",
+       [](About&, auto&, auto& exchanges) { exchanges[1].status.position[Axis::Y] = kNan; },
+       "in exchange 1, a status.position.Y that is not a finite number"},
+      {"a board time without an end",
+       [](About&, auto&, auto& exchanges) { exchanges[0].status.time = kInfinite; },
+       "in exchange 0, a status.time that is not a finite number"},
+      {"a segment without an end",
+       [](About&, auto& requests, auto&) { requests[0] = Segment{.duration = kInfinite}; },
+       "in a request before exchange 0, a duration that is not a finite number"},
+      {"a PWM that is no number, in a change of outputs",
+       [](About&, auto& requests, auto&) {
+         requests[0] = ChangeOutputs{{.pwm = OutputChange::Pwm{1, kNan}}};
+       },
+       "before exchange 0, a change.pwm.value.value that is not a finite number"},
+      {"a clock that goes back", [](About&, auto&, auto& exchanges) { exchanges[2].now = 1.0; },
+       "exchange 2 1 s before"},
+      {"a clock beyond all computers",
+       [](About&, auto&, auto& exchanges) { exchanges[2].now = 1e10; }, "no computer's clock"},
+      {"exchanges of hours", [](About&, auto&, auto& exchanges) { exchanges[2].now = 4000.0; },
+       "more than 60 s"},
+      {"no step frequency",
+       [](About& about, auto&, auto&) { about.driver.max_step_frequency = 0.0; },
+       "max_step_frequency of 0, which has to be 1 to 495000"},
+      {"a time-out that is no number",
+       [](About& about, auto&, auto&) { about.driver.host_timeout = kNan; }, "host_timeout of nan"},
+      {"a time-out below nothing",
+       [](About& about, auto&, auto&) { about.driver.index_timeout = -1.0; },
+       "index_timeout of -1"},
+  };
+  for (const Row& row : rows) {
+    CAPTURE(row.rule);
+    About about;
+    std::vector<Request> requests(1);
+    std::vector<Exchange> exchanges{exchange_at(1.0), exchange_at(2.0), exchange_at(3.0)};
+    row.spoil(about, requests, exchanges);
+    Ring ring(1024);
+    std::visit([&](const auto& request) { ring.write(request); }, requests[0]);
+    for (const Exchange& exchange : exchanges) ring.write(exchange);
+    const auto trace = parse_trace(trace_bytes(about, ring.copy(), 1e12), "bad.trace");
+    REQUIRE_FALSE(trace);
+    CHECK(trace.error().code == ErrorCode::trace_damaged);
+    CHECK_THAT(trace.error().message, Contains("bad.trace") && Contains(row.says));
+  }
+}
+
+TEST_CASE("More requests than a server keeps are refused before they are read", "[hal][trace]") {
+  Ring ring(1024);
+  ring.write(exchange_at(1.0));
+  std::vector<std::uint64_t> words(kMostRequests + 1, RecordHead{kKindOf<QuickStop>, 0}.word());
+  const auto exchange = ring.copy();
+  words.insert(words.end(), exchange.begin(), exchange.end());
+  const auto too_many = parse_trace(trace_bytes({}, words), "bad.trace");
+  REQUIRE_FALSE(too_many);
+  CHECK_THAT(too_many.error().message, Contains("more than 300000 requests"));
+  words.erase(words.begin());
+  CHECK(parse_trace(trace_bytes({}, words), "good.trace"));
+}
+
+TEST_CASE("A trace with what no board says is read, but not replayed", "[hal][trace]") {
+  struct Row {
+    const char* rule;
+    void (*spoil)(Trace&);
+    const char* says;
+  };
+  const Row rows[] = {
+      {"a board time that jumps", [](Trace& trace) { trace.steps[2].exchange.status.time = 1e6; },
+       "In exchange 2 the board's time has gone from 0.002 to 1000000 s"},
+      {"a board time that goes back",
+       [](Trace& trace) { trace.steps[2].exchange.status.time = 0.001; },
+       "In exchange 2 the board's time goes back from 0.004 to 0.001 s"},
+      {"a board time before power-up",
+       [](Trace& trace) { trace.steps[0].exchange.status.time = -5.0; },
+       "In exchange 0 the board's time is -5 s"},
+      {"more than all of a segment",
+       [](Trace& trace) { trace.steps[1].exchange.status.executing_phase = 1.5; },
+       "In exchange 1 1.5 of the segment"},
+      {"a position beyond all machines",
+       [](Trace& trace) { trace.steps[1].exchange.status.position[Axis::A] = 1e12; },
+       "In exchange 1 a position is farther"},
+      {"a segment beyond all machines",
+       [](Trace& trace) { trace.steps[1].requests = {Segment{.position = {.values = {1e300}}}}; },
+       "In exchange 1 a segment goes farther"},
+      {"a segment of a year",
+       [](Trace& trace) { trace.steps[1].requests = {Segment{.duration = 3e7}}; },
+       "In exchange 1 a segment takes 30000000 s"},
+      {"an axis put beyond all machines",
+       [](Trace& trace) {
+         trace.steps[1].requests = {SetPosition{Axis::X, 1e12}};
+       },
+       "In exchange 1 an axis is put"},
+  };
+  auto machine = sim::small_machine();
+  for (const Axis axis : {Axis::A, Axis::B, Axis::C})
+    machine.axes[axis] = {.positive_limit = 300.0, .velocity = 75.0, .acceleration = 3000.0};
+  Ring ring;
+  TracedController controller(
+      sim::make_virtual_controller(machine, {.machine = {.start = Position{}}}), ring);
+  REQUIRE(controller.connect());
+  for (int i = 0; i < 10; ++i) controller.exchange(1.0 + 0.002 * i);
+  Trace sound = trace_of(ring);
+  sound.about.config = config::machine_config_text(machine);
+  REQUIRE(replay(sound));
+  for (std::size_t i = 0; i < sound.steps.size(); ++i)
+    sound.steps[i].exchange.status.time = 0.002 * static_cast<double>(i + 1);
+  REQUIRE(replay(sound));
+  for (const Row& row : rows) {
+    CAPTURE(row.rule);
+    Trace trace = sound;
+    row.spoil(trace);
+    const auto report = replay(trace);
+    REQUIRE_FALSE(report);
+    CHECK(report.error().code == ErrorCode::trace_cannot_begin);
+    CHECK_THAT(report.error().message, Contains(row.says));
   }
 }
 

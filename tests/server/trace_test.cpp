@@ -244,6 +244,126 @@ TEST_CASE("What the virtual board does otherwise is found, at its exchange", "[s
   }
 }
 
+namespace {
+
+/// A card's input 3 (port 103), and a rule on it.
+struct GuardedTrace {
+  static constexpr std::size_t kInput = hal::kAuxCount + 2;
+
+  GuardedTrace(std::int32_t compare, config::GuardAction action, bool on)
+      : rig(guarded(compare, action), with_card(ring, on)) {}
+
+  static MachineData guarded(std::int32_t compare, config::GuardAction action) {
+    MachineData data = free_machine();
+    data.config.guards[4] = {"A door", 4, compare, action};
+    return data;
+  }
+  static SimulationOptions with_card(Ring& ring, bool on) {
+    SimulationOptions options = traced(ring);
+    options.machine.io_cards[0] = true;
+    options.machine.ports_on = on ? std::uint64_t{1} << kInput : 0;
+    return options;
+  }
+  void set_input(bool on) { rig.simulation.virtual_machine().set_port_input(kInput, on); }
+  void start_cut() {
+    REQUIRE(rig.reset());
+    rig.start("M3 S12000\nM8\nG1 X100 F1200\nX0\n");
+    REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 5.0; }));
+  }
+  [[nodiscard]] Trace trace() const {
+    auto parsed = parse_trace(
+        trace_bytes(about_machine(rig.machine.config(), {}, "virtual board"), ring.copy()),
+        "trace");
+    REQUIRE(parsed);
+    return std::move(*parsed);
+  }
+
+  Ring ring;
+  Rig rig;
+};
+
+}  // namespace
+
+TEST_CASE("Guard rules do in a replay what they did, and nothing at its beginning",
+          "[server][trace][CFG-16]") {
+  struct Row {
+    const char* name;
+    std::int32_t compare;
+    config::GuardAction action;
+    bool on_before;
+    std::vector<std::string> faults;
+  };
+  using enum config::GuardAction;
+  const Row rows[] = {
+      {"a quick stop when the input goes on", 4, quick_stop, false, {"guard_stop"}},
+      {"a quick stop when the input goes off", 0, quick_stop, true, {"guard_stop"}},
+      {"a warning when the input goes off", 0, warning, true, {}},
+      {"a smooth stop when the input goes off", 0, smooth_stop, true, {}},
+      {"a warning that was true before it all began", 4, warning, true, {}},
+  };
+  const Row& row = rows[GENERATE(range(0, 5))];
+  CAPTURE(row.name);
+  GuardedTrace f(row.compare, row.action, row.on_before);
+  f.start_cut();
+  f.set_input(!row.on_before);
+  f.rig.run_for(1.0);
+  const Trace trace = f.trace();
+  const ReplayReport report = replayed(trace);
+  CHECK_FALSE(report.difference);
+  CHECK(faults_of(report) == row.faults);
+  CHECK(report.compared > 500);
+}
+
+TEST_CASE("A card's input that flickers shorter than an exchange makes its rule act again",
+          "[server][trace][CFG-16]") {
+  GuardedTrace f(4, config::GuardAction::quick_stop, false);
+  f.start_cut();
+  f.set_input(true);
+  auto& board = f.rig.simulation.virtual_controller().board();
+  board.advance_to(board.now() + 0.0005);
+  f.set_input(false);
+  f.rig.run_for(0.5);
+  const ReplayReport report = replayed(f.trace());
+  CHECK_FALSE(report.difference);
+  CHECK(faults_of(report) == std::vector<std::string>{"guard_stop"});
+}
+
+TEST_CASE("Outputs, guard rules and late cuts that the replay does not show are differences",
+          "[server][trace]") {
+  struct Row {
+    const char* says;
+    void (*spoil)(hal::ControllerStatus&);
+  };
+  const Row rows[] = {
+      {"flood is off, replayed on", [](auto& status) { status.outputs.flood = false; }},
+      {"mist is on, replayed off", [](auto& status) { status.outputs.mist = true; }},
+      {"the output for the drives is off, replayed on",
+       [](auto& status) { status.outputs.drives_enabled = false; }},
+      {"output 1 is on, replayed off", [](auto& status) { status.outputs.ports[0] = true; }},
+      {"output 101 is on, replayed off", [](auto& status) { status.outputs.ports[16] = true; }},
+      {"output 308 is on, replayed off", [](auto& status) { status.outputs.ports[39] = true; }},
+      {"guard rule 6 of card 1 has acted 1 times since the beginning, replayed 0",
+       [](auto& status) { ++status.guard_counts[5]; }},
+      {"the last cut was late, replayed in time", [](auto& status) { status.cut_late = true; }},
+  };
+  GuardedTrace f(4, config::GuardAction::warning, false);
+  f.start_cut();
+  f.rig.run_for(0.5);
+  const Trace sound = f.trace();
+  CHECK_FALSE(replayed(sound).difference);
+  for (const Row& row : rows) {
+    CAPTURE(row.says);
+    Trace trace = sound;
+    const std::size_t step = trace.steps.size() - 50;  // a job is running
+    row.spoil(trace.steps[step].exchange.status);
+    const ReplayReport report = replayed(trace);
+    REQUIRE(report.difference);
+    CHECK(report.difference->step == step);
+    CHECK(report.difference->what == row.says);
+    CHECK(report.late_cuts == (trace.steps[step].exchange.status.cut_late ? 1U : 0U));
+  }
+}
+
 TEST_CASE("A trace in which nothing can begin says so", "[server][trace]") {
   TracedRig f;
   f.start_cut();
@@ -290,7 +410,8 @@ struct KeeperFixture {
   [[nodiscard]] TraceKeeperSettings settings(std::filesystem::path in) const {
     return {.folder = std::move(in),
             .aftermath = std::chrono::milliseconds(0),
-            .pause = std::chrono::milliseconds(0)};
+            .pause = std::chrono::milliseconds(0),
+            .rest = std::chrono::milliseconds(0)};
   }
   /// Behind everything that was asked for before.
   static Result<std::filesystem::path> save(TraceKeeper& keeper) {
@@ -352,6 +473,19 @@ TEST_CASE("The newest ten traces stay, and other files are left alone",
   CHECK(f.names() == expected);
 }
 
+TEST_CASE("Traces that were asked for do not push out one of a fault", "[server][trace][threads]") {
+  KeeperFixture f;
+  TraceKeeper keeper(f.ring, f.log, {}, f.settings(f.folder.path() / "traces"));
+  keeper.save_after_fault("estop");
+  for (int i = 0; i < 12; ++i) {
+    REQUIRE(f.save(keeper));
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));  // names have milliseconds
+  }
+  const auto names = f.names();
+  CHECK(names.size() == 11);
+  CHECK_THAT(names[0], Catch::EndsWith("_estop.trace"));
+}
+
 TEST_CASE("A folder that cannot be written is one warning", "[server][trace][threads]") {
   KeeperFixture f;
   const auto file = f.folder.path() / "traces";
@@ -381,4 +515,35 @@ TEST_CASE("A contact that flickers writes one trace", "[server][trace][threads]"
   CHECK(std::ranges::count_if(f.names(), [](const std::string& name) {
           return name.ends_with("_estop.trace");
         }) == 1);
+}
+
+TEST_CASE("Who asks for traces in a loop gets the same file, and faults still get theirs",
+          "[server][trace][threads]") {
+  KeeperFixture f;
+  auto settings = f.settings(f.folder.path() / "traces");
+  settings.rest = std::chrono::hours(1);
+  TraceKeeper keeper(f.ring, f.log, {}, settings);
+  const auto first = f.save(keeper);
+  REQUIRE(first);
+  for (int i = 0; i < 5; ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    const auto again = f.save(keeper);
+    REQUIRE(again);
+    CHECK(*again == *first);
+  }
+  keeper.save_after_fault("estop");
+  CHECK(f.save(keeper).value() == *first);
+  CHECK(f.names().size() == 2);
+}
+
+TEST_CASE("A trace that could not be written is tried again at once", "[server][trace][threads]") {
+  KeeperFixture f;
+  const auto folder = f.folder.path() / "traces";
+  cnc::config::test::put(folder, "a file in the folder's place");
+  auto settings = f.settings(folder);
+  settings.rest = std::chrono::hours(1);
+  TraceKeeper keeper(f.ring, f.log, {}, settings);
+  REQUIRE_FALSE(f.save(keeper));
+  std::filesystem::remove(folder);
+  CHECK(f.save(keeper));
 }
