@@ -16,8 +16,8 @@ constexpr double kLargestStiffness = 1e5;
 /// λ at the ends of a run in units of W⁻³, the size of the bending's own entries in the matrix.
 constexpr double kEndStiffness = 1e5;
 
-/// A tube wider than so many steps counts as narrower in λ*: bending and stiffness, whose ratio goes
-/// with its fourth power, have to stand beside each other in the digits of one matrix.
+/// A tube wider than so many steps counts as narrower in λ*: bending and stiffness, whose ratio
+/// goes with its fourth power, have to stand beside each other in the digits of one matrix.
 constexpr double kWidestTube = 300.0;
 
 double square(double value) { return value * value; }

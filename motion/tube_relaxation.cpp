@@ -7,9 +7,12 @@ namespace cnc::motion {
 
 namespace {
 
-/// Part of the tolerance that is accepted; what is left is for the path between the nodes, which is
-/// not quite a parabola.
-constexpr double kAccepted = 0.97;
+/// Parts of the tolerance: what the iteration aims at, what is accepted, and what is accepted on a
+/// closer look. The rest is for the path between the places at which it is measured.
+constexpr double kTarget = 0.93;
+constexpr double kAccepted = 0.98;
+constexpr double kAcceptedClosely = 0.99;
+constexpr double kPerTarget = 1.0 / (kTarget * kTarget);
 
 constexpr int kRounds = 4;        // then only what leaves the tube is stiffened
 constexpr int kExtraRounds = 30;  // then the run is broken
@@ -25,67 +28,17 @@ std::size_t first_row(std::size_t free) { return std::max(kFirstNode, free - 1);
 // The loops over the nodes are functions of their own whose rows are declared not to overlap: only
 // then are several nodes done at once.
 
-using Rows = TubeNodes::AxisRows;
+constexpr std::size_t kGroup = TubeNodes::kGroup;
+using GroupRows = TubeDistance::GroupRows;
 
-constexpr std::size_t kGroup = TubeRelaxation::kGroup;
-
-/// Squares of the distances at the nodes, and half-way to the next ones, there also along the
-/// program's direction. Three axes together, and added to what others came to.
-void add_distances(const Stencils& __restrict e, const MiddleStencils& __restrict m,
-                   const Rows* __restrict axes, std::size_t last,
-                   TubeRelaxation::GroupPath& __restrict path, NodeRow& __restrict at_node,
-                   NodeRow& __restrict half_way, NodeRow& __restrict along) {
-  for (std::size_t i = kFirstNode; i <= last; ++i) {
-    double at = at_node[i];
-    double middle_square = half_way[i];
-    double middle_along = along[i];
-    for (std::size_t a = 0; a < kGroup; ++a) {
-      const NodeRow& c = axes[a].control;
-      const double q = e.before[i] * c[i - 1] + e.at[i] * c[i] + e.behind[i] * c[i + 1];
-      const double off = q - axes[a].point[i];
-      path[a].off[i] = off;
-      at += off * off;
-      const double middle = m.weight[0][i] * c[i - 1] + m.weight[1][i] * c[i] +
-                            m.weight[2][i] * c[i + 1] + m.weight[3][i] * c[i + 2];
-      const double aside = middle - axes[a].middle[i];
-      middle_square += aside * aside;
-      middle_along += aside * axes[a].middle_tangent[i];
-    }
-    at_node[i] = at;
-    half_way[i] = middle_square;
-    along[i] = middle_along;
-  }
-}
-
-/// The largest value of a parabola if that lies between its ends, otherwise the one half-way.
-double peak_between(double begin, double half_way, double end) {
-  const double bow = 2.0 * half_way - begin - end;
-  const double rise = end - begin;
-  const double peak = half_way + rise * rise / (8.0 * bow);
-  return std::abs(rise) < 2.0 * bow ? peak : half_way;
-}
-
-/// The largest distance at each node and on the way to its neighbours: its square as a parabola
-/// through what it is at both and half-way, there across the program's direction only.
-void collect_largest(const NodeRow& __restrict at_node, const NodeRow& __restrict along,
-                     const NodeRow& __restrict scale, std::size_t last,
-                     NodeRow& __restrict half_way, NodeRow& __restrict largest) {
-  for (std::size_t i = kFirstNode; i < last; ++i) {
-    half_way[i] = peak_between(at_node[i], half_way[i] - along[i] * along[i], at_node[i + 1]);
-  }
-  half_way[last] = 0.0;
-  for (std::size_t i = kFirstNode; i <= last; ++i) {
-    largest[i] = scale[i] * larger(at_node[i], larger(half_way[i - 1], half_way[i]));
-  }
-}
-
-/// Multiplies the stiffnesses by `factor` of the squared distance over the target.
+/// Multiplies the stiffnesses by `factor` of the squared distance over the part of the tolerance
+/// that is aimed at.
 template <typename Factor>
 void stiffen(const NodeRow& __restrict off, const NodeRow& __restrict least,
              const NodeRow& __restrict most, std::size_t begin, std::size_t end,
              NodeRow& __restrict stiffness, Factor factor) {
   for (std::size_t i = begin; i < end; ++i) {
-    stiffness[i] = larger(least[i], smaller(most[i], stiffness[i] * factor(off[i])));
+    stiffness[i] = larger(least[i], smaller(most[i], stiffness[i] * factor(off[i] * kPerTarget)));
   }
 }
 
@@ -104,14 +57,13 @@ double stiffen_offender(double off_squared) {
 /// The negative gradient of what changed since the control points were a solution: stiffnesses.
 void gather_forces(const Stencils& __restrict e, const NodeRow& __restrict stiffness,
                    const NodeRow& __restrict balance, std::size_t begin, std::size_t end,
-                   TubeRelaxation::GroupPath& __restrict path) {
+                   const GroupRows& __restrict off, GroupRows& __restrict forces) {
   for (std::size_t j = begin; j < end; ++j) {
     const double before = e.before[j + 1] * (balance[j + 1] - stiffness[j + 1]);
     const double at = e.at[j] * (balance[j] - stiffness[j]);
     const double behind = e.behind[j - 1] * (balance[j - 1] - stiffness[j - 1]);
     for (std::size_t a = 0; a < kGroup; ++a) {
-      const NodeRow& off = path[a].off;
-      path[a].correction[j] = before * off[j + 1] + at * off[j] + behind * off[j - 1];
+      forces[a][j] = before * off[a][j + 1] + at * off[a][j] + behind * off[a][j - 1];
     }
   }
 }
@@ -154,13 +106,18 @@ bool TubeRelaxation::relax(TubeNodes& nodes, std::size_t free, std::size_t last,
                            std::size_t last_checked) {
   const std::size_t first = first_row(free);
   prepare(nodes, last);
+  distance_.prepare(nodes, last);
   for (int round = 0;; ++round) {
-    measure(nodes, last);
-    if (round >= kRounds && within(kAccepted, first, last_checked)) return true;
-    if (round >= kRounds + kExtraRounds) return within(1.0, first, last_checked);
+    distance_.measure(nodes, last);
+    const bool is_last = round == kRounds + kExtraRounds;
+    if (is_last || (round >= kRounds && within(kAccepted, first, last_checked))) {
+      distance_.look_closely(nodes, std::min(last, last_checked + 1));
+      if (within(kAcceptedClosely, first, last_checked)) return true;
+    }
+    if (is_last) return false;
     const auto stiffen_by = [&](auto factor) {
-      stiffen(off_, nodes.least_stiffness, nodes.most_stiffness, first, last + 1, nodes.stiffness,
-              factor);
+      stiffen(distance_.largest(), nodes.least_stiffness, nodes.most_stiffness, first, last + 1,
+              nodes.stiffness, factor);
     };
     if (round < kRounds) {
       stiffen_by([](double off) { return adjust(off); });
@@ -171,9 +128,14 @@ bool TubeRelaxation::relax(TubeNodes& nodes, std::size_t free, std::size_t last,
   }
 }
 
+bool TubeRelaxation::is_outside(std::size_t node) const {
+  return distance_.largest()[node] > square(kAcceptedClosely);
+}
+
 bool TubeRelaxation::within(double part, std::size_t first, std::size_t last) const {
-  return std::all_of(off_.begin() + first, off_.begin() + last + 1,
-                     [limit = square(part / kTarget)](double off) { return off <= limit; });
+  const NodeRow& off = distance_.largest();
+  return std::all_of(off.begin() + first, off.begin() + last + 1,
+                     [part](double value) { return value <= square(part); });
 }
 
 /// Rows of the matrix exist for the nodes whose weight is not 0.
@@ -182,17 +144,6 @@ void TubeRelaxation::prepare(const TubeNodes& nodes, std::size_t last) {
   const Stencils& d = nodes.bend;
   const NodeRow& w = nodes.weight;
   balance_.fill(0.0);
-  for (std::size_t i = kFirstNode; i <= last; ++i) {
-    scale_[i] = nodes.fixed[i] ? 0.0 : 1.0 / square(kTarget * nodes.tolerance[i]);
-  }
-  // ½ (q + q of the next node) − h²/16 (q'' + q'' of the next node); nothing behind the last node.
-  for (std::size_t i = kFirstNode; i < last; ++i) {
-    const double sag = square(nodes.step[i]) / 16.0;
-    middle_.weight[0][i] = 0.5 * e.before[i] - sag * d.before[i];
-    middle_.weight[1][i] = 0.5 * (e.at[i] + e.before[i + 1]) - sag * (d.at[i] + d.before[i + 1]);
-    middle_.weight[2][i] = 0.5 * (e.behind[i] + e.at[i + 1]) - sag * (d.behind[i] + d.at[i + 1]);
-    middle_.weight[3][i] = 0.5 * e.behind[i + 1] - sag * d.behind[i + 1];
-  }
   for (std::size_t i = kFirstNode; i <= last + 2; ++i) {
     share_.before[i] = e.before[i] * e.before[i];
     share_.at[i] = e.at[i] * e.at[i];
@@ -209,18 +160,6 @@ void TubeRelaxation::prepare(const TubeNodes& nodes, std::size_t last) {
   }
 }
 
-void TubeRelaxation::measure(const TubeNodes& nodes, std::size_t last) {
-  at_node_.fill(0.0);
-  half_way_.fill(0.0);
-  along_.fill(0.0);
-  for (std::size_t group = 0; group < path_.size(); ++group) {
-    if (!nodes.moves_in(group)) continue;
-    add_distances(nodes.position, middle_, nodes.group(group), last, path_[group], at_node_,
-                  half_way_, along_);
-  }
-  collect_largest(at_node_, along_, scale_, last, half_way_, off_);
-}
-
 /// Newton's step from the present control points: solving for them anew would be singular to
 /// rounding on long straight lines with a free end. `in_balance`: they are a solution for what the
 /// stiffnesses were.
@@ -229,17 +168,17 @@ void TubeRelaxation::correct(TubeNodes& nodes, std::size_t free, std::size_t las
   const std::size_t end = last + 2;
   assemble(bending_, share_, nodes.stiffness, free, end, matrix_);
   factors_.factorise(matrix_, free, end);
-  for (std::size_t group = 0; group < path_.size(); ++group) {
+  for (std::size_t group = 0; group < kAxisCount / kGroup; ++group) {
     if (!nodes.moves_in(group)) continue;
-    GroupPath& path = path_[group];
     TubeNodes::AxisRows* axes = nodes.group(group);
-    gather_forces(nodes.position, nodes.stiffness, balance_, free, end, path);
+    GroupRows& x = correction_;
+    gather_forces(nodes.position, nodes.stiffness, balance_, free, end, distance_.off(group), x);
     for (std::size_t a = 0; a < kGroup; ++a) {
-      if (!in_balance) add_moments(nodes, axes[a].control, free, end, path[a].correction);
-      path[a].correction[end] = 0.0;
+      if (!in_balance) add_moments(nodes, axes[a].control, free, end, x[a]);
+      x[a][end] = 0.0;
     }
-    factors_.solve({&path[0].correction, &path[1].correction, &path[2].correction});
-    for (std::size_t a = 0; a < kGroup; ++a) add(path[a].correction, free, end, axes[a].control);
+    factors_.solve({&x[0], &x[1], &x[2]});
+    for (std::size_t a = 0; a < kGroup; ++a) add(x[a], free, end, axes[a].control);
   }
   balance_ = nodes.stiffness;
 }

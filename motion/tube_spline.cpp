@@ -195,7 +195,7 @@ void TubeSpline::meet_end(std::size_t last_node) {
 }
 
 /// Spans from the first node to `last_node` are final. Axes that do not move stay where they are
-/// to the last digit.
+/// to the last digit. A run of one span has no node that could bend it: it bends as the program.
 void TubeSpline::emit(std::size_t last_node, bool stop) {
   Position place;
   Position q2;
@@ -208,17 +208,31 @@ void TubeSpline::emit(std::size_t last_node, bool stop) {
     }
   };
   look_at(kFirstNode);
+  const bool is_single = stop && nodes_.fixed[kFirstNode] && last_node == kFirstNode + 1;
   for (std::size_t i = kFirstNode; i < last_node; ++i) {
     const Position start = place;
-    const Position start_q2 = q2;
+    Position start_q2 = q2;
     look_at(i + 1);
     const double h = nodes_.step[i];
+    if (is_single) start_q2 = q2 = bend_of_program();
     const double per_step = 1.0 / h;
     const Position c1 = (place - start) * per_step - (h / 6.0) * (2.0 * start_q2 + q2);
     const Position c3 = (q2 - start_q2) * (per_step / 6.0);
     ready_.push_back({Cubic(start, c1, 0.5 * start_q2, c3, place, h), stop && i + 1 == last_node});
     --pending_;
   }
+}
+
+/// q'' of the parabola through the program's places at both ends of the first span and half-way.
+Position TubeSpline::bend_of_program() const {
+  Position bend;
+  const std::size_t i = kFirstNode;
+  for (const Axis axis : kAllAxes) {
+    const TubeNodes::AxisRows& rows = nodes_.axes[axis];
+    const double bow = rows.middle[i] - 0.5 * (rows.point[i] + rows.point[i + 1]);
+    bend[axis] = nodes_.moves[axis] ? -8.0 * bow / (nodes_.step[i] * nodes_.step[i]) : 0.0;
+  }
+  return bend;
 }
 
 void TubeSpline::drop_before(std::size_t i) {

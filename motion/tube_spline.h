@@ -73,6 +73,7 @@ class TubeSpline {
   void meet_start();
   void meet_end(std::size_t last_node);
   void emit(std::size_t last_node, bool stop);
+  [[nodiscard]] Position bend_of_program() const;
   void drop_before(std::size_t i);
   [[nodiscard]] std::size_t first_row() const;
 

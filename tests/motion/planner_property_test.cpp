@@ -231,13 +231,17 @@ G1 X0.0868887673232 Y0.393681263209 F726.896013393
   CHECK(verdict.is_sound());
 }
 
-// Hundreds of arcs of a hundredth of a millimetre in a tube of 0.7 mm: found by the soak, where the
-// spline's matrix had lost its digits, and a setpoint was not a number.
-TEST_CASE("A tube far wider than the moves in it is numerically harmless", "[MOT-2][property]") {
-  Dice dice(15423);
-  const Verdict verdict = judge(random_program(dice, 400));
-  INFO(verdict.to_string());
-  CHECK(verdict.is_sound());
+// What the soak found: hundreds of arcs of a hundredth of a millimetre in a tube of 0.7 mm, where
+// the spline's matrix had lost its digits; a move of 3 mm beside tiny ones, where the path bulged
+// between the places at which it was measured; runs that were said to be in the tube after the last
+// round.
+TEST_CASE("Programs that once left the tube stay in it", "[MOT-2][property]") {
+  for (const std::uint32_t seed : {15423U, 7481U, 12517U}) {
+    Dice dice(seed);
+    const Verdict verdict = judge(random_program(dice, 400));
+    INFO("seed " << seed << ": " << verdict.to_string());
+    CHECK(verdict.is_sound());
+  }
 }
 
 TEST_CASE("Random programs with all modes, holds and overrides keep limits and tube",
