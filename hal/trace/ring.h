@@ -46,7 +46,7 @@ struct RecordHead {
 
 class Ring {
  public:
-  /// 16 MiB: 30 s of 500 exchanges (520 bytes each) and 1800 segments (160 bytes each) a second.
+  /// 16 MiB: 30 s of 500 exchanges (544 bytes each) and 1750 segments (160 bytes each) a second.
   static constexpr std::size_t kUsualWords = std::size_t{2} << 20U;
 
   /// Allocates; `words` is a power of two, at least 1024.

@@ -106,6 +106,28 @@ TEST_CASE("A waiting segment counts its time from the very tick of the index pul
   CHECK_FALSE(rig.core.status().moving);
 }
 
+// Found by wire_board_fuzz: what the first had not used of the time since the pulse made the second
+// without one, and then the core planned for ever.
+TEST_CASE("A short segment that waits leaves the next one to wait for a pulse of its own",
+          "[hal][LNK-6]") {
+  Rig rig;
+  rig.period = ticks(0.1) + 333;  // seen up to a slice of 1000 ticks later
+  for (std::uint32_t id = 1; id <= 2; ++id) {
+    Segment segment = x_segment(id, 1e-5, id);
+    segment.wait_for_index = true;
+    REQUIRE(rig.core.push(segment));
+  }
+  rig.core.advance(ticks(0.15));
+  CHECK(rig.pulses == 1);
+  CHECK(rig.core.status().counts[0] == 1);
+  CHECK(rig.core.status().moving);
+  rig.core.advance(ticks(0.1));
+  CHECK(rig.pulses == 2);
+  CHECK(rig.core.status().counts[0] == 2);
+  CHECK_FALSE(rig.core.status().moving);
+  CHECK(rig.core.status().faults == 0);
+}
+
 TEST_CASE("Before the pulse nothing moves, and the board says that it is busy", "[hal][LNK-6]") {
   Rig rig;
   rig.period = ticks(1.0);

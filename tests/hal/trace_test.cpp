@@ -120,7 +120,7 @@ TEST_CASE("A ring keeps the newest whole records, however often it has gone roun
           "[hal][trace]") {
   Ring ring(1024);
   CHECK(ring.copy().empty());
-  // 20 words a segment, 73 an exchange: three of these groups fit.
+  // 20 words a segment, 68 an exchange: three of these groups fit.
   std::uint32_t id = 0;
   for (int i = 1; i <= 1000; ++i) {
     for (int k = 0; k < 10; ++k) ring.write(Segment{.id = ++id, .duration = 0.001});

@@ -260,6 +260,7 @@ void Core::finish_segment() {
   executing_ = false;
   start_velocity_ = segment_.velocity;
   const bool stands = start_velocity_ == kStandstill;
+  if (stands) owed_ = 0;  // to this path; the next may wait for another pulse, or come much later
   stop_is_planned_ = stands && path_stop_ == PathStop::stopping;
 }
 
