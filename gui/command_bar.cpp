@@ -1,6 +1,7 @@
 #include "gui/command_bar.h"
 
 #include <QHBoxLayout>
+#include <chrono>
 
 #include "gui/state_look.h"
 #include "gui/style.h"
@@ -9,6 +10,7 @@ namespace cnc::gui {
 namespace {
 
 constexpr int kHeight = 64;
+constexpr auto kHold = std::chrono::seconds(1);
 
 }  // namespace
 
@@ -16,24 +18,32 @@ CommandBar::CommandBar(QWidget* parent)
     : QWidget(parent),
       reset_(new CommandButton(tr("F1\nReset"), this)),
       home_(new CommandButton(tr("⌂\nHome all"), this)),
+      accept_(new CommandButton(tr("✓\nHold: accept"), this)),
       load_(new CommandButton(tr("⏏\nLoad…"), this)),
       rewind_(new CommandButton(tr("↺\nRewind"), this)),
       user_(new CommandButton(tr("▴\nUser keys"), this)) {
   auto* const row = new QHBoxLayout(this);
   row->setContentsMargins(0, 0, 0, 0);
   row->setSpacing(8);
-  for (CommandButton* const button : {reset_, home_, load_, rewind_, user_}) {
+  for (CommandButton* const button : {reset_, home_, accept_, load_, rewind_, user_}) {
     button->setFixedHeight(kHeight);
     row->addWidget(button);
   }
   reset_->setObjectName(QStringLiteral("reset"));
   home_->setObjectName(QStringLiteral("home_all"));
+  accept_->setObjectName(QStringLiteral("accept_position"));
+  accept_->hide();
   load_->setObjectName(QStringLiteral("load"));
   rewind_->setObjectName(QStringLiteral("rewind"));
   user_->setObjectName(QStringLiteral("user_keys"));
   user_->setCheckable(true);
   connect(reset_, &QPushButton::clicked, this, [this] { emit requested(Reset{}); });
   connect(home_, &QPushButton::clicked, this, [this] { emit requested(Home{}); });
+  hold_.setSingleShot(true);
+  hold_.setInterval(kHold);
+  connect(accept_, &QPushButton::pressed, &hold_, qOverload<>(&QTimer::start));
+  connect(accept_, &QPushButton::released, &hold_, &QTimer::stop);
+  connect(&hold_, &QTimer::timeout, this, [this] { emit requested(AcceptPosition{doubtful_}); });
   connect(load_, &QPushButton::clicked, this, &CommandBar::load_wanted);
   connect(rewind_, &QPushButton::clicked, this, [this] { emit requested(Rewind{}); });
   connect(user_, &QPushButton::toggled, this, &CommandBar::user_keys_wanted);
@@ -42,11 +52,23 @@ CommandBar::CommandBar(QWidget* parent)
 void CommandBar::show_status(const api::MachineStatus& status) {
   reset_->show_availability(status.availability(api::Command::reset));
   home_->show_availability(status.availability(api::Command::home));
+  accept_->show_availability(status.availability(api::Command::accept_position));
+  show_doubt(status);
   load_->show_availability(status.availability(api::Command::load));
   rewind_->show_availability(status.availability(api::Command::rewind));
   const auto next = look_of(status.state).next;
   reset_->set_awaited(next == api::Command::reset);
   home_->set_awaited(next == api::Command::home);
+}
+
+/// Axes that were never homed stay out of it: no word can say where they are.
+void CommandBar::show_doubt(const api::MachineStatus& status) {
+  doubtful_.clear();
+  for (const api::Axis axis : api::kAllAxes) {
+    if (status.trust[axis] == api::PositionTrust::doubtful) doubtful_.push_back(axis);
+  }
+  accept_->setVisible(!doubtful_.empty());
+  if (!accept_->isEnabled() || doubtful_.empty()) hold_.stop();
 }
 
 }  // namespace cnc::gui

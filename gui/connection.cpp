@@ -112,6 +112,9 @@ std::optional<api::Error> Connection::carry_out(const Request& request) {
       Overloaded{
           [&](const Reset&) { return error_of(client_.reset()); },
           [&](const Home& home) { return error_of(client_.home(home.axes, closing_.get_token())); },
+          [&](const AcceptPosition& accept) {
+            return error_of(client_.accept_position(accept.axes));
+          },
           [&](const Mdi& mdi) { return error_of(client_.mdi(mdi.line, closing_.get_token())); },
           load,
           [&](const Run&) { return error_of(client_.run()); },

@@ -6,8 +6,8 @@ namespace cnc::gui {
 namespace {
 
 constexpr std::array<const char*, std::variant_size_v<Request>> kNames{
-    "Reset", "Home",   "Single line", "Load",      "Run", "Pause",    "Resume",
-    "Stop",  "Rewind", "Override",    "Work zero", "Jog", "User key", "Answer"};
+    "Reset", "Home",   "Accept position", "Single line", "Load", "Run",      "Pause", "Resume",
+    "Stop",  "Rewind", "Override",        "Work zero",   "Jog",  "User key", "Answer"};
 
 }  // namespace
 

@@ -19,6 +19,9 @@ struct Reset {};
 struct Home {
   std::vector<api::Axis> axes;  ///< none: all
 };
+struct AcceptPosition {
+  std::vector<api::Axis> axes;
+};
 struct Mdi {
   std::string line;
 };
@@ -50,8 +53,8 @@ struct Answer {
   std::vector<double> values;
 };
 
-using Request = std::variant<Reset, Home, Mdi, Load, Run, Pause, Resume, Stop, Rewind, SetOverrides,
-                             SetWorkZero, JogStep, RunSub, Answer>;
+using Request = std::variant<Reset, Home, AcceptPosition, Mdi, Load, Run, Pause, Resume, Stop,
+                             Rewind, SetOverrides, SetWorkZero, JogStep, RunSub, Answer>;
 
 /// "Home", for messages: "Home: …".
 [[nodiscard]] QString request_name(const Request& request);

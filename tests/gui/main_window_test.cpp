@@ -153,6 +153,33 @@ TEST_CASE("Positions, homed marks and the zero keys belong to the visible axes",
   CHECK(only<Home>(screen.requests).front().axes == std::vector{Axis::X});
 }
 
+TEST_CASE("Positions in doubt are accepted by a key that is held, and only those", "[gui][STA-4]") {
+  Screen screen;
+  auto status = status_with(MachineState::needs_homing, {Command::accept_position});
+  status.trust[Axis::X] = api::PositionTrust::trusted;
+  status.trust[Axis::Y] = api::PositionTrust::doubtful;  // Z was never homed
+  screen.connect(status);
+  auto& key = screen.button("accept_position");
+  CHECK(key.isVisible());
+  const QPoint middle = key.rect().center();
+
+  send_mouse(key, QEvent::MouseButtonPress, middle);
+  send_mouse(key, QEvent::MouseButtonRelease, middle);
+  CHECK_FALSE(wait_until([&] { return !only<AcceptPosition>(screen.requests).empty(); },
+                         std::chrono::milliseconds(1500)));
+
+  send_mouse(key, QEvent::MouseButtonPress, middle);
+  CHECK(wait_until([&] { return !only<AcceptPosition>(screen.requests).empty(); }));
+  send_mouse(key, QEvent::MouseButtonRelease, middle);
+  const auto accepted = only<AcceptPosition>(screen.requests);
+  REQUIRE(accepted.size() == 1);
+  CHECK(accepted.front().axes == std::vector{Axis::Y});
+
+  status.trust[Axis::Y] = api::PositionTrust::trusted;
+  screen.window.show_status(status);
+  CHECK_FALSE(key.isVisible());
+}
+
 TEST_CASE("Override keys step by ten per cent, within the limits, and back to 100 %",
           "[gui][GUI-2]") {
   Screen screen;
