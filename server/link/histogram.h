@@ -1,7 +1,7 @@
 // A histogram that a real-time thread can fill and any thread can read.
 //
 // Recording is a few relaxed operations, so the reader may see a value half counted, between two
-// bins or between bin and sum, which no statistic minds. One thread records.
+// bins or between bin and sum, which no statistic minds. One thread records and resets.
 #pragma once
 
 #include <array>

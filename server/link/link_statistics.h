@@ -1,8 +1,9 @@
-// How the link to the board has been since the last reset(): kept always, because the moment at
-// which somebody wants to know is the one that is over.
+// How the link to the board has been since the last reset: kept always, because the moment at which
+// somebody wants to know is the one that is over.
 //
-// The link thread writes, any thread reads and resets; nobody waits. Packets are counted by the
-// controller from its beginning; what they were at the last reset is taken off.
+// The link thread writes, any thread reads and asks for a reset; nobody waits. The link thread
+// makes the reset itself, in its next cycle: two writers would lose each other's counts. Packets
+// are counted by the controller from its beginning; what they were at the last reset is taken off.
 #pragma once
 
 #include <algorithm>
@@ -24,30 +25,33 @@ struct LinkStatistics {
   std::atomic<double> lowest_fifo_time{kNeverMoved};
   std::atomic<double> last_round_trip{0.0};
 
-  /// Link thread: what an exchange has brought.
+  /// Any thread.
+  void ask_for_reset() { reset_wanted_.store(true, std::memory_order_relaxed); }
+  /// Since the last reset.
+  [[nodiscard]] hal::PacketCounts packets() const { return packets_.get(); }
+
+  /// Link thread: what an exchange has brought. Makes the reset that somebody has asked for.
   void note(const hal::ControllerStatus& board) {
-    if (board.packets.answered != packets_.answered.load(std::memory_order_relaxed)) {
+    if (reset_wanted_.load(std::memory_order_relaxed) &&
+        reset_wanted_.exchange(false, std::memory_order_relaxed))
+      reset();
+    if (board.packets.answered != last_.answered) {
       round_trip.record(board.round_trip);
       last_round_trip.store(board.round_trip, std::memory_order_relaxed);
     }
-    packets_.set(board.packets);
+    last_ = board.packets;
+    packets_.set({.sent = last_.sent - at_reset_.sent,
+                  .resent = last_.resent - at_reset_.resent,
+                  .answered = last_.answered - at_reset_.answered,
+                  .passed_over = last_.passed_over - at_reset_.passed_over,
+                  .corrupted = last_.corrupted - at_reset_.corrupted});
     if (!board.moving || board.fifo_count == 0) return;
     fifo_time.record(board.fifo_time);
     if (board.fifo_time < lowest_fifo_time.load(std::memory_order_relaxed))
       lowest_fifo_time.store(board.fifo_time, std::memory_order_relaxed);
   }
 
-  /// Since the last reset.
-  [[nodiscard]] hal::PacketCounts packets() const {
-    const hal::PacketCounts now = packets_.get();
-    const hal::PacketCounts before = packets_at_reset_.get();
-    return {.sent = now.sent - before.sent,
-            .resent = now.resent - before.resent,
-            .answered = now.answered - before.answered,
-            .passed_over = now.passed_over - before.passed_over,
-            .corrupted = now.corrupted - before.corrupted};
-  }
-
+ private:
   void reset() {
     cycles.store(0, std::memory_order_relaxed);
     lateness.reset();
@@ -55,10 +59,9 @@ struct LinkStatistics {
     round_trip.reset();
     fifo_time.reset();
     lowest_fifo_time.store(kNeverMoved, std::memory_order_relaxed);
-    packets_at_reset_.set(packets_.get());
+    at_reset_ = last_;
   }
 
- private:
   struct AtomicPacketCounts {
     std::atomic<std::uint64_t> sent{0};
     std::atomic<std::uint64_t> resent{0};
@@ -82,8 +85,10 @@ struct LinkStatistics {
     }
   };
 
-  AtomicPacketCounts packets_;
-  AtomicPacketCounts packets_at_reset_;
+  std::atomic<bool> reset_wanted_{false};
+  AtomicPacketCounts packets_;  // since the last reset
+  hal::PacketCounts last_;      // link thread's: as the controller counts them
+  hal::PacketCounts at_reset_;  // link thread's
 };
 
 }  // namespace cnc::server

@@ -96,7 +96,7 @@ class SystemService final : public v1::System::CallbackService {
     response->set_sessions(shown->board_sessions);
     response->set_board_name(text_of(shown->board.name));
     response->set_board_serial(shown->board.serial);
-    if (request->reset()) statistics.reset();
+    if (request->reset()) statistics.ask_for_reset();
     return answer(grpc::Status::OK);
   }
 

@@ -213,7 +213,9 @@ TEST_CASE("The FIFO histogram counts exchanges in motion by the seconds left in 
     CHECK(fifo.count(bin) == (expected ? 1 : 0));
   }
   CHECK(fifo.mean() == Approx((0.0005 + 0.24 + 5.0) / 3.0));
-  f.link.statistics().reset();
+  f.link.statistics().ask_for_reset();
+  f.recording.status.moving = false;
+  f.link.cycle(0.0);
   CHECK(fifo.max() == 0.0);
 }
 
@@ -235,7 +237,8 @@ TEST_CASE("Round trips are counted when an answer has come; packets since the la
   CHECK(statistics.round_trip.max() == 0.003);
   CHECK(statistics.last_round_trip == 0.003);
 
-  statistics.reset();
+  statistics.ask_for_reset();
+  CHECK(statistics.packets().sent == 10);  // until the link thread comes to it
   board.packets = {.sent = 15, .resent = 3, .answered = 12, .passed_over = 2, .corrupted = 4};
   f.link.cycle(0.008);
   const hal::PacketCounts since = statistics.packets();

@@ -148,3 +148,38 @@ TEST_CASE("The link thread keeps its pace, counts its cycles and delivers", "[th
   std::this_thread::sleep_for(5ms);
   CHECK(link.statistics().cycles == cycles);  // it has ended
 }
+
+TEST_CASE("Whoever resets the statistics of a link at work makes it count nothing wrong",
+          "[threads][LNK-2]") {
+  LinkStatistics statistics;
+  std::atomic<bool> ending{false};
+  hal::ControllerStatus board;
+  std::thread link([&] {
+    while (!ending) {
+      ++board.packets.sent;
+      ++board.packets.answered;
+      statistics.note(board);
+      statistics.lateness.record(0.001);
+      statistics.cycles.fetch_add(1, std::memory_order_relaxed);
+    }
+  });
+  constexpr std::uint64_t kMore = std::uint64_t{1} << 40;  // than can have been sent by then
+  bool plausible = true;
+  for (int i = 0; i < 20'000; ++i) {
+    statistics.ask_for_reset();
+    plausible = plausible && statistics.packets().sent < kMore;
+  }
+  ending = true;
+  link.join();
+  CHECK(plausible);
+  std::uint64_t counted = 0;
+  for (std::size_t bin = 0; bin < TimeHistogram::kBins; ++bin)
+    counted += statistics.lateness.count(bin);
+  CHECK(counted == statistics.cycles);
+
+  statistics.ask_for_reset();
+  ++board.packets.sent;
+  statistics.note(board);
+  CHECK(statistics.packets().sent == 1);
+  CHECK(statistics.cycles == 0);
+}
