@@ -10,6 +10,27 @@
 
 namespace cnc::server {
 
+namespace {
+
+SpindleSpeed speed_behind(const interp::CommandBody& command, SpindleSpeed speed) {
+  std::visit(
+      Overloaded{
+          [&](const interp::SetSpindleSpeed& set) { speed.programmed = set.speed; },
+          [&](const interp::UseSurfaceSpeed&) { speed.programmed.reset(); },
+          [&](const interp::SetOverride& set) {
+            if (set.which != interp::Override::speed) return;
+            if (set.factor) speed.override = *set.factor;
+            speed.override_enabled = set.factor.has_value();
+          },
+          [&](const interp::EnableOverrides& enable) { speed.override_enabled = enable.speed; },
+          [](const auto&) {},
+      },
+      command);
+  return speed;
+}
+
+}  // namespace
+
 JobControl::JobControl(const config::MachineConfig& config, interp::Interpreter& interpreter,
                        const config::ParameterStore& parameters, MotionFeed& feed, MachineIo& io,
                        ProgramFiles& files, MessageLog& log)
@@ -125,7 +146,7 @@ JobSignal JobControl::cycle() {
         if (auto sent = emit(runner_.setpoint()); !sent) return fail_with(sent.error());
         break;
       case JobRunner::Next::note:
-        notes_.push_back({feed_.last_id(), runner_.event()});
+        note(runner_.event());
         break;
       case JobRunner::Next::action:
         if (!feed_.at_rest()) return JobSignal::none;
@@ -162,13 +183,29 @@ JobSignal JobControl::finish(JobSignal how) {
   return how;
 }
 
+SpindleSpeed JobControl::speed_shown() const {
+  const auto programmed = surface_speed_ ? std::nullopt : std::optional(io_.spindle_speed());
+  return {programmed, overrides_.speed, speed_override_enabled_};
+}
+
+void JobControl::note(const JobEvent& event) {
+  const SpindleSpeed before = notes_.empty() ? speed_shown() : notes_.back().speed;
+  notes_.push_back({feed_.last_id(), event, speed_behind(event.command.body, before)});
+}
+
+/// Anew, for the notes to come: what is shown, or which notes there are, has changed.
+void JobControl::plan_speeds() {
+  SpindleSpeed speed = speed_shown();
+  for (DueNote& note : notes_) speed = note.speed = speed_behind(note.event.command.body, speed);
+}
+
 /// With it goes what the notes behind the segment before it switch.
 Result<void> JobControl::emit(const motion::Setpoint& setpoint) {
   hal::OutputChange change;
   const std::uint32_t id = feed_.next_id();
   for (auto note = notes_.rbegin(); note != notes_.rend() && note->after_segment == feed_.last_id();
        ++note) {
-    note->change = io_.change_for(note->event.command.body);
+    note->change = io_.change_for(note->event.command.body, note->speed);
     if (note->change.empty()) continue;
     note->with_segment = id;
     note->ticket = io_.sent_with_path();
@@ -250,6 +287,7 @@ void JobControl::set_overrides(const Overrides& overrides) {
                     (overrides.speed == overrides_.speed || notes_.empty());
   overrides_ = overrides;
   apply_overrides();
+  plan_speeds();
   if (!same) replan();
 }
 

@@ -104,6 +104,7 @@ class JobControl {
   struct DueNote {
     std::uint32_t after_segment = 0;
     JobEvent event;
+    SpindleSpeed speed;              // behind it
     std::uint32_t with_segment = 0;  // 0: with none yet, or nothing to switch
     hal::OutputChange change{};
     std::uint64_t ticket = 0;  // MachineIo's
@@ -133,6 +134,9 @@ class JobControl {
   [[nodiscard]] JobSignal finish(JobSignal how);
   [[nodiscard]] Result<void> emit(const motion::Setpoint& setpoint);
   [[nodiscard]] bool is_due(const DueNote& note) const;
+  void note(const JobEvent& event);
+  [[nodiscard]] SpindleSpeed speed_shown() const;
+  void plan_speeds();
   void show_due_notes();
   void withdraw_notes();
   void show(const JobEvent& event);

@@ -47,7 +47,7 @@ void JobControl::draw_replacement() {
   while (wants_more()) {
     const JobRunner::Next next = runner_.next();
     if (next == JobRunner::Next::note) {
-      notes_.push_back({feed_.last_id(), runner_.event()});
+      note(runner_.event());
     } else if (next != JobRunner::Next::setpoint) {
       return;
     } else if (auto sent = emit(runner_.setpoint()); !sent) {
@@ -81,6 +81,7 @@ void JobControl::undo_cut() {
   runner_.revoke_take_back();
   notes_ = std::move(notes_before_cut_);
   notes_before_cut_.clear();
+  plan_speeds();
 }
 
 }  // namespace cnc::server

@@ -7,6 +7,17 @@ namespace cnc::server {
 
 using interp::SpindleDirection;
 
+namespace {
+
+bool changes_speed(const interp::CommandBody& command) {
+  const auto* set = std::get_if<interp::SetOverride>(&command);
+  return std::holds_alternative<interp::SetSpindleSpeed>(command) ||
+         std::holds_alternative<interp::EnableOverrides>(command) ||
+         (set != nullptr && set->which == interp::Override::speed);
+}
+
+}  // namespace
+
 void MachineIo::enable_drives(bool on) {
   drives_ = on;
   apply();
@@ -109,8 +120,7 @@ void MachineIo::board_is_back(const hal::Outputs& outputs) {
 
 /// What the spindle is told, 0 … 1. S0 leaves it still even after M3 (manual 3.5.2); any other
 /// speed is kept within what it can do.
-double MachineIo::spindle_part(double programmed) const {
-  const double speed = programmed * override_;
+double MachineIo::spindle_part(double speed) const {
   if (speed <= 0.0) return 0.0;
   return std::clamp(speed, spindle_config_.min_speed, spindle_config_.max_speed) /
          spindle_config_.max_speed;
@@ -128,7 +138,7 @@ void MachineIo::apply_spindle(hal::Outputs& wanted, double speed) const {
 hal::Outputs MachineIo::wanted() const {
   hal::Outputs wanted{
       .drives_enabled = drives_, .mist = mist_, .flood = flood_, .ports = ports_, .pwm = pwm_};
-  apply_spindle(wanted, speed_);
+  apply_spindle(wanted, speed_ * override_);
   return wanted;
 }
 
@@ -152,17 +162,17 @@ void MachineIo::send_all() {
 
 // --- on the way ----------------------------------------------------------------------------------
 
-hal::OutputChange MachineIo::change_for(const interp::CommandBody& command) const {
+hal::OutputChange MachineIo::change_for(const interp::CommandBody& command,
+                                        const SpindleSpeed& then) const {
   if (const auto* coolant = std::get_if<interp::SetCoolant>(&command))
     return {.mist = coolant->mist, .flood = coolant->flood};
-  const auto* speed = std::get_if<interp::SetSpindleSpeed>(&command);
   const bool stands = direction_ == SpindleDirection::off && !pwm_output_;
-  if (speed == nullptr || stands) return {};
-  hal::Outputs then;
-  apply_spindle(then, speed->speed);
-  return {.spindle_on = then.spindle_on,
-          .tool_direction = then.tool_direction,
-          .spindle_pwm = then.spindle_pwm};
+  if (stands || !then.programmed || !changes_speed(command)) return {};
+  hal::Outputs outputs;
+  apply_spindle(outputs, *then.programmed * then.factor());
+  return {.spindle_on = outputs.spindle_on,
+          .tool_direction = outputs.tool_direction,
+          .spindle_pwm = outputs.spindle_pwm};
 }
 
 std::uint64_t MachineIo::sent_with_path() {

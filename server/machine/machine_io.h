@@ -17,6 +17,15 @@
 
 namespace cnc::server {
 
+/// What a program and the operator have made of the spindle's speed, at a place of the path.
+struct SpindleSpeed {
+  std::optional<double> programmed;  ///< rpm; unset: it follows the tool (G96)
+  double override = 1.0;
+  bool override_enabled = true;
+
+  [[nodiscard]] double factor() const { return override_enabled ? override : 1.0; }
+};
+
 class MachineIo {
  public:
   MachineIo(const config::MachineConfig& config, MotionFeed& feed)
@@ -28,8 +37,10 @@ class MachineIo {
   void set_speed_override(double factor);
   void set_coolant(bool mist, bool flood);
 
-  /// What such a command will switch, by what is wanted now otherwise. Empty: nothing on the way.
-  [[nodiscard]] hal::OutputChange change_for(const interp::CommandBody& command) const;
+  /// What such a command will switch, with the spindle's speed as it is `then`, behind it, and by
+  /// what is wanted now otherwise. Empty: nothing on the way.
+  [[nodiscard]] hal::OutputChange change_for(const interp::CommandBody& command,
+                                             const SpindleSpeed& then) const;
   /// Such a change is sent with the path; the ticket is for switched().
   [[nodiscard]] std::uint64_t sent_with_path();
   /// The board has made it.

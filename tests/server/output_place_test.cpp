@@ -144,23 +144,50 @@ TEST_CASE(
     "What ends a job without a ramp leaves neither coolant nor spindle on, whatever was under "
     "way",
     "[STA-4][LNK-9][safety]") {
+  using hal::sim::VirtualMotor;
+  struct Row {
+    std::string_view what;
+    void (*begin)(Rig&);
+    void (*end)(Rig&);
+  };
+  const std::vector<Row> rows{
+      {"emergency stop", [](Rig& rig) { rig.simulation.virtual_machine().press_estop(true); },
+       [](Rig& rig) { rig.simulation.virtual_machine().press_estop(false); }},
+      {"drive alarm",
+       [](Rig& rig) { rig.simulation.virtual_machine().raise_drive_alarm(Axis::X, true); },
+       [](Rig& rig) { rig.simulation.virtual_machine().raise_drive_alarm(Axis::X, false); }},
+      {"home switch, a quick stop that the server orders",
+       [](Rig& rig) {
+         rig.simulation.virtual_machine().stick_switch(Axis::Y, VirtualMotor::Switch::home, true);
+       },
+       [](Rig&) {}},
+      {"lost link",
+       [](Rig& rig) { rig.simulation.virtual_controller().trouble().cable_out = true; },
+       [](Rig& rig) { rig.simulation.virtual_controller().trouble().cable_out = false; }},
+      {"board reset", [](Rig& rig) { rig.simulation.virtual_controller().board().reset(); },
+       [](Rig&) {}},
+  };
   // The place of M8 is 0.4 s behind the start; the status of that comes up to two cycles later.
-  for (double instant = 0.380; instant < 0.420; instant += 0.001) {
-    CAPTURE(instant);
-    WatchedRig rig;
-    rig.start("M3 S12000\nG1 X20 F3000\nM8\nX40\n");
-    REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 0.0; }, 10.0));
-    rig.run_for(instant);
-    rig.simulation.virtual_machine().press_estop(true);
-    REQUIRE(rig.becomes(State::estop, 1.0));
-    rig.run_for(0.2);
-    CHECK_FALSE(rig.outputs().flood);
-    CHECK_FALSE(rig.outputs().spindle_on);
-    rig.simulation.virtual_machine().press_estop(false);
-    REQUIRE(rig.reset());
-    rig.run_for(0.2);
-    CHECK_FALSE(rig.outputs().flood);
-    CHECK_FALSE(rig.outputs().spindle_on);
+  for (const Row& row : rows) {
+    for (double instant = 0.380; instant < 0.420; instant += 0.001) {
+      CAPTURE(row.what, instant);
+      WatchedRig rig(0.005, {"AXIS_Y.homeVelocity=0"});
+      REQUIRE(rig.home({Axis::Y}));
+      rig.start("HomeIsEstop on\nM3 S12000\nG1 X20 F3000\nM8\nX40\n");
+      REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 0.0; }, 10.0));
+      rig.run_for(instant);
+      row.begin(rig);
+      REQUIRE(rig.becomes([&] { return rig.state() != State::running; }, 1.0));
+      rig.run_for(0.5);
+      CHECK_FALSE(rig.outputs().flood);
+      CHECK_FALSE(rig.outputs().spindle_on);
+      row.end(rig);
+      rig.run_for(0.5);
+      REQUIRE(rig.reset());
+      rig.run_for(0.2);
+      CHECK_FALSE(rig.outputs().flood);
+      CHECK_FALSE(rig.outputs().spindle_on);
+    }
   }
 }
 
@@ -202,4 +229,49 @@ TEST_CASE("A speed override given while an S word is under way is in it when it 
   for (const Switching& switching : rig.switchings) speeds.push_back(switching.outputs.spindle_pwm);
   CHECK(speeds == std::vector<std::uint32_t>{pwm_of(6000), pwm_of(6000 * 1.2), pwm_of(8000 * 1.2)});
   CHECK(rig.switchings.back().position[Axis::X] == Approx(20.0).margin(0.25));
+}
+
+TEST_CASE("Overrides of the spindle's speed hold from their place, for the S words behind them too",
+          "[SPN-1][MAN-8][LNK-9]") {
+  // The operator's override is 120 %. M49 takes it out of force, M48 puts it back, M51 sets it.
+  struct Switched {
+    double speed;
+    double x;
+    bool operator==(const Switched&) const = default;
+  };
+  struct Row {
+    std::string_view rule;
+    std::string_view program;
+    std::vector<Switched> expected;
+  };
+  const std::vector<Row> rows{
+      {"M49 alone", "M3 S6000\nG1 X20 F3000\nM49\nX40\n", {{7200, 0}, {6000, 20}}},
+      {"S behind M49", "M3 S6000\nG1 X20 F3000\nM49\nS8000\nX40\n", {{7200, 0}, {8000, 20}}},
+      {"S some way behind M49",
+       "M3 S6000\nG1 X20 F3000\nM49\nX22\nS8000\nX40\n",
+       {{7200, 0}, {6000, 20}, {8000, 22}}},
+      {"S before M49",
+       "M3 S6000\nG1 X20 F3000\nS8000\nX22\nM49\nX40\n",
+       {{7200, 0}, {9600, 20}, {8000, 22}}},
+      {"M48 behind M49", "M49\nM3 S6000\nG1 X20 F3000\nM48\nS8000\nX40\n", {{6000, 0}, {9600, 20}}},
+      {"M51 with a value",
+       "M3 S6000\nG1 X20 F3000\nM51 P50\nS8000\nX40\n",
+       {{7200, 0}, {4000, 20}}},
+      {"M51 P0 and S", "M3 S6000\nG1 X20 F3000\nM51 P0\nS8000\nX40\n", {{7200, 0}, {0, 20}}},
+  };
+  for (const Row& row : rows) {
+    INFO(row.rule);
+    WatchedRig rig;
+    const double most = rig.machine.config().spindle.max_speed;
+    Overrides overrides = rig.machine.overrides();
+    overrides.speed = 1.2;
+    REQUIRE(rig.machine.set_overrides(overrides));
+    rig.start(std::string(row.program));
+    REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 39.0; }, 10.0));
+    std::vector<Switched> switched;
+    for (const Switching& switching : rig.switchings)
+      switched.push_back({std::round(switching.outputs.spindle_pwm * most / kFullPwm),
+                          std::round(switching.position[Axis::X])});
+    CHECK(switched == row.expected);
+  }
 }
