@@ -29,6 +29,7 @@
 #include "server/machine/motion_feed.h"
 #include "server/machine/persistence.h"
 #include "server/machine/position_trust.h"
+#include "server/machine/seldom.h"
 #include "server/machine/snapshot.h"
 
 namespace cnc::server {
@@ -202,7 +203,9 @@ class Machine {
   PositionTrust trust_;
   std::uint32_t session_ = 0;  // with the board; 0: it was never there
   std::array<std::uint8_t, config::kGuardRules> guard_counts_{};  // of it, as seen
-  hal::Faults faults_ = 0;                                        // the board's, as seen
+  std::array<Seldom, config::kGuardRules> guard_messages_;
+  bool drives_on_ = false;           // the board's, as seen
+  hal::Faults faults_ = 0;           // the board's, as seen
   std::optional<Error> guard_stop_;  // why the board stops, until it stands
   AxisArray<bool> home_switches_{};  // as seen in the last cycle
   std::vector<Waiter> waiters_;

@@ -102,11 +102,14 @@ void Machine::lose_board() {
 void Machine::watch_guards() {
   const hal::ControllerStatus& board = feed_.board();
   for (std::size_t i = 0; i < config::kGuardRules; ++i) {
-    if (std::exchange(guard_counts_[i], board.guard_counts[i]) == board.guard_counts[i]) continue;
+    const std::uint8_t before = std::exchange(guard_counts_[i], board.guard_counts[i]);
+    const auto times = static_cast<std::uint8_t>(board.guard_counts[i] - before);
     const config::GuardRule& rule = data_.config.guards[i];
-    Error error = error_of_guard(i, rule);
-    log_.add(Severity::warning, error.message);
-    if (rule.action == config::GuardAction::smooth_stop) guard_stop_ = std::move(error);
+    if (const auto told = guard_messages_[i].due(times, now_))
+      log_.add(Severity::warning, error_of_guard(i, rule).message +
+                                      (*told > 1 ? fmt::format(" ({} times)", *told) : ""));
+    if (times != 0 && rule.action == config::GuardAction::smooth_stop)
+      guard_stop_ = error_of_guard(i, rule);
   }
   if (guard_stop_) obey_guard();
 }

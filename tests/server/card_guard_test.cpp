@@ -57,7 +57,7 @@ TEST_CASE("A rule that warns tells its text each time, and the job goes on", "[C
   CHECK(rig.times_told() == 1);
   CHECK(rig.state() == State::running);
   rig.set_input(false);
-  rig.run_for(0.1);
+  rig.run_for(1.0);
   rig.set_input(true);
   rig.run_for(0.1);
   CHECK(rig.times_told() == 2);
@@ -107,6 +107,32 @@ TEST_CASE("A rule with a quick stop is a fault: positions of what moved are doub
   CHECK(rig.shown()->trust[Axis::X] != Trust::trusted);
   REQUIRE(rig.reset());
   CHECK(rig.state() == State::ready);
+}
+
+TEST_CASE("The text of an input that flickers is told once a second, with how often it came",
+          "[CFG-16]") {
+  GuardedRig rig(config::GuardAction::warning);
+  REQUIRE(rig.reset());
+  // On for a cycle of 5 ms and off for one, 300 times: for 3 s.
+  for (int i = 0; i < 300; ++i) {
+    rig.set_input(true);
+    rig.simulation.cycle();
+    rig.set_input(false);
+    rig.simulation.cycle();
+  }
+  rig.run_for(1.1);
+  std::vector<int> told;
+  int all = 0;
+  for (const auto& message : rig.simulation.log().after(0)) {
+    if (!message.text.starts_with("I/O card 2, rule 3: Vacuum too low")) continue;
+    const auto bracket = message.text.find('(');
+    told.push_back(bracket == std::string::npos ? 1 : std::stoi(message.text.substr(bracket + 1)));
+    all += told.back();
+  }
+  REQUIRE(told.size() == 4);
+  CHECK(told.front() == 1);  // at once
+  CHECK(told[1] == Approx(100).margin(1));
+  CHECK(all == 300);
 }
 
 TEST_CASE("A rule that acts while nothing goes on is told and ends nothing", "[CFG-16]") {
