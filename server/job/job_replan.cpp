@@ -3,15 +3,14 @@
 // The segments behind the first that can be replaced in time are cut off, the runner goes back by
 // as many setpoints, and what it hands out now travels with the cut. A cycle or two later the board
 // has answered. If it was past the place of the cut already it goes on with what it had, and so
-// does the runner: then the cut is made again, further ahead.
+// does the runner: then the cut is made again, further ahead. Also where nothing can be cut, because
+// the board stops along its path: until then it takes no more of the path that it brakes along.
 #include "server/job/job_control.h"
 
 namespace cnc::server {
 
 void JobControl::replan() {
   if (!active_ || waits_for_ != WaitsFor::nothing) return;
-  // A board that stops along its path goes on with the path that it has.
-  if (feed_.board().path_stop != hal::PathStop::none) return;
   replan_wanted_ = feed_.cut_answer() == CutAnswer::pending;
   if (replan_wanted_) return;
   if (const std::size_t count = feed_.replaceable(); count > 0) cut_and_go_on(count);
@@ -65,7 +64,7 @@ bool JobControl::cut_is_settled() {
       return false;
     case CutAnswer::late:
       undo_cut();
-      if (feed_.board().path_stop == hal::PathStop::none) cut_and_go_on(feed_.replaceable());
+      cut_and_go_on(feed_.replaceable());
       return false;
     case CutAnswer::none:
     case CutAnswer::taken:

@@ -50,7 +50,7 @@ void Link::deliver() {
   const auto may_deliver = [this] {
     return queue_.read_available() > 0 && quick_stop_before_.load(std::memory_order_acquire) == 0;
   };
-  while (may_deliver() && (is_cut_off(queue_.front()) || deliver(queue_.front()))) {
+  while (may_deliver() && (deliver(queue_.front()) || is_cut_off(queue_.front()))) {
     queue_.pop();
     note_delivered();
   }
@@ -74,8 +74,9 @@ void Link::note_done(std::uint64_t frames_done) {
   if (all_answered) items_done_ = delivered_;
 }
 
-/// A segment that a cut behind it in the queue replaces. The number of the cut is loaded first:
-/// what it cuts behind was stored before.
+/// A segment that a cut behind it in the queue replaces, and that must not hold it up where the board
+/// has no room. Where there is room the board gets it: should the cut be late, the path goes on with
+/// it. The number of the cut is loaded first: what it cuts behind was stored before.
 bool Link::is_cut_off(const LinkItem& item) const {
   const auto* segment = std::get_if<hal::Segment>(&item);
   return segment != nullptr && delivered_ < cut_item_.load(std::memory_order_acquire) &&

@@ -79,8 +79,9 @@ class Link {
   [[nodiscard]] std::uint64_t pushed() const { return pushed_; }
   /// Replaces the segments behind number `id`, those that still wait here too: begin_cut(), push
   /// the new ones, commit_cut(). The link thread then brings cut and new segments to the board in
-  /// one cycle, and ahead of the segments that they replace. When the item that begin_cut() has
-  /// pushed is done, the status says whether it was late. One at a time.
+  /// one cycle; what they replace goes before them as far as the board has room, and is dropped
+  /// where it has none. When the item that begin_cut() has pushed is done, the status says whether
+  /// it was late. One at a time.
   bool begin_cut(std::uint32_t id);
   void commit_cut() { cut_item_.store(begun_cut_, std::memory_order_release); }
   /// Overtakes everything: pulses stop at once, items pushed before are dropped (and count as

@@ -205,6 +205,7 @@ std::size_t MotionFeed::under_way() const {
 std::size_t MotionFeed::replaceable() {
   constexpr double kLatest = 0.001;
   read_status();
+  if (status_.board.path_stop != hal::PathStop::none) return 0;
   const double reached = executed_time() + patience_ * (2.0 * status_.interval + kLatest);
   std::size_t count = under_way();
   std::size_t in_time = 0;

@@ -53,8 +53,8 @@ class MotionFeed {
   /// Segments that the board has not begun.
   [[nodiscard]] std::size_t under_way() const;
   /// Those of them that a cut would replace in time: all behind the first one that ends later than
-  /// a cut needs to reach the board. None while the path follows the spindle. Reads the newest
-  /// status.
+  /// a cut needs to reach the board. None while the path follows the spindle, or the board stops
+  /// along it. Reads the newest status.
   [[nodiscard]] std::size_t replaceable();
   /// The last `count` segments are void, commanded() is where the one before them ends, and what is
   /// emitted until commit_cut() travels with the cut. Not while an answer is pending.

@@ -1,5 +1,6 @@
 // The end of the path is replaced while the board drives towards it.
 #include <catch2/catch.hpp>
+#include <cmath>
 
 #include "hal/cpu5/firmware/host_frame.h"
 #include "tests/hal/firmware_support.h"
@@ -132,13 +133,42 @@ TEST_CASE("Any stop and cleared faults end the dropping behind a late cut", "[ha
   CHECK(static_cast<double>(core.status().counts[0]) == here + 10);
 }
 
-TEST_CASE("While the board stops along the path a cut is late", "[hal][LNK-8]") {
+TEST_CASE("While the board stops along the path a cut that drops something is late",
+          "[hal][LNK-8]") {
   Cruise cruise;
   cruise.core.advance(ticks(0.025));
   cruise.core.stop_along_path();
   cruise.core.cut_behind(10);
   CHECK(cruise.core.status().cut_late);
   CHECK(cruise.core.status().fifo_count == 17);
+}
+
+TEST_CASE("Behind a late cut the path that the board brakes along can be fed on", "[hal][LNK-8]") {
+  WatchedBoard board;
+  Core core(board);
+  Setup slow = kFastBoard;
+  // From 10000 steps/s at 20000 steps/s^2 braking takes 0.5 s and half as much path time, 25
+  // segments of which the board has 17.
+  slow.max_acceleration[0] =
+      static_cast<StepAcceleration>(std::ldexp(20'000.0 / 1e14, kAccelerationBits));
+  REQUIRE(core.set_up(slow));
+  const auto push = [&](std::uint32_t id) {
+    return core.push(x_segment(id, 0.01, 100.0 * id, 1e4));
+  };
+  for (std::uint32_t id = 1; id <= 20; ++id) REQUIRE(push(id));
+  core.advance(ticks(0.025));
+  core.stop_along_path();
+  core.cut_behind(10);
+  REQUIRE(core.status().cut_late);
+  push(21);
+  CHECK(core.status().fifo_count == 17);  // dropped
+  core.cut_behind(20);
+  CHECK_FALSE(core.status().cut_late);
+  for (std::uint32_t id = 21; id <= 40; ++id) REQUIRE(push(id));
+  core.advance(ticks(1.0));
+  CHECK(core.status().faults == 0);
+  CHECK(core.status().path_stop == PathStop::stopped);
+  CHECK(static_cast<double>(core.status().counts[0]) == Approx(250 + 2500).epsilon(0.02));
 }
 
 TEST_CASE("Behind a cut in a thread the room for a faster spindle is still kept",

@@ -1,5 +1,6 @@
 // Guard rules on the inputs of I/O cards: what the operator is told, and what becomes of the job.
 #include <catch2/catch.hpp>
+#include <utility>
 
 #include "tests/server/rig.h"
 
@@ -11,16 +12,18 @@ namespace {
 
 /// Rule 3 of card 2, on its input 5 going on.
 struct GuardedRig : Rig {
-  explicit GuardedRig(config::GuardAction action, bool on_from_the_start = false)
-      : Rig(guarded(action), with_card(on_from_the_start)) {}
+  explicit GuardedRig(config::GuardAction action, bool on_from_the_start = false,
+                      std::vector<std::string> settings = {}, double period = 0.005)
+      : Rig(guarded(action, std::move(settings)), with_card(on_from_the_start, period)) {}
 
-  static MachineData guarded(config::GuardAction action) {
-    MachineData data = free_machine();
+  static MachineData guarded(config::GuardAction action, std::vector<std::string> settings) {
+    MachineData data = free_machine(std::move(settings));
     data.config.guards[8 + 2] = {"Vacuum too low", 16, 16, action};
     return data;
   }
-  static SimulationOptions with_card(bool on) {
+  static SimulationOptions with_card(bool on, double period) {
     SimulationOptions options = at_zero();
+    options.period = period;
     options.machine.io_cards[1] = true;
     options.machine.ports_on = on ? 1ULL << kInput : 0;
     return options;
@@ -164,4 +167,74 @@ TEST_CASE("A rule that is true already when the board is connected is told", "[C
   GuardedRig rig(config::GuardAction::warning, true);
   rig.run_for(0.05);
   CHECK(rig.times_told() == 1);
+}
+
+TEST_CASE(
+    "Whatever the operator does while a guard brakes, at any millisecond of it: the machine "
+    "comes to its stop along the path",
+    "[CFG-16][LNK-5][LNK-8][safety]") {
+  // At 100 mm/s^2 braking from 50 mm/s takes 0.5 s and 0.25 s of path time, which is more than the
+  // board holds: the path is fed on meanwhile.
+  struct Row {
+    std::string_view what;
+    bool jog;
+    void (*act)(GuardedRig&);
+  };
+  const std::vector<Row> rows{
+      {"pause", false, [](GuardedRig& rig) { rig.machine.pause([](const Result<void>&) {}); }},
+      {"stop", false, [](GuardedRig& rig) { rig.machine.stop([](const Result<void>&) {}); }},
+      {"feed override", false,
+       [](GuardedRig& rig) {
+         Overrides overrides = rig.machine.overrides();
+         overrides.feed = 1.5;
+         REQUIRE(rig.machine.set_overrides(overrides));
+       }},
+      {"jog key let go", true, [](GuardedRig& rig) { rig.machine.jog_stop(); }},
+      {"another jog rate", true,
+       [](GuardedRig& rig) {
+         Position rates;
+         rates[Axis::X] = 0.1;
+         static_cast<void>(rig.machine.jog(rates, 10.0));
+       }},
+  };
+  for (const Row& row : rows) {
+    for (int ms = -12; ms <= 480; ms += ms < 24 ? 1 : 152) {
+      CAPTURE(row.what, ms);
+      GuardedRig rig(config::GuardAction::smooth_stop, false,
+                     {"AXIS_X.acceleration=100", "AXIS_X.velocity=50"}, 0.001);
+      rig.simulation.virtual_controller().trouble().delay = 0.004;
+      REQUIRE(rig.reset());
+      if (row.jog) {
+        Position rates;
+        rates[Axis::X] = 1.0;
+        REQUIRE(rig.machine.jog(rates, 10.0));
+      } else {
+        rig.start("M8\nG1 X200 F3000\nX0\n");
+      }
+      REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 20.0; }, 10.0));
+      const double guard_at = rig.simulation.time() + 0.02;
+      const double act_at = guard_at + 0.001 * ms;
+      const auto trust = rig.shown()->trust;
+      bool is_set = false;
+      bool acted = false;
+      while (rig.simulation.time() < guard_at + 0.8) {
+        if (!std::exchange(is_set, is_set || rig.simulation.time() >= guard_at) && is_set)
+          rig.set_input(true);
+        if (!std::exchange(acted, acted || rig.simulation.time() >= act_at) && acted) row.act(rig);
+        rig.simulation.cycle();
+      }
+      CHECK(rig.state() == State::error);
+      CHECK(rig.last_error().code == ErrorCode::guard_stop);
+      CHECK(rig.shown()->trust == trust);
+      CHECK(rig.simulation.virtual_machine().physical_position(Axis::X) ==
+            Approx(rig.position()[Axis::X]).margin(0.01));
+      CHECK(rig.simulation.virtual_machine().lost_steps(Axis::X) == 0);
+      CHECK(rig.outputs() == hal::cpu5::firmware::Outputs{.drives_enabled = true});
+      // And it goes on, from where it stands.
+      REQUIRE(rig.reset());
+      const double x = rig.position()[Axis::X];
+      REQUIRE(rig.mdi("G91 G1 X1 F3000"));
+      CHECK(rig.position()[Axis::X] == Approx(x + 1.0).margin(0.01));
+    }
+  }
 }

@@ -129,7 +129,10 @@ bool Core::may_be_scaled(const Segment& segment) const {
 
 void Core::cut_behind(std::uint32_t id) {
   const HostCall call(*this);
-  if (faults_ == 0) cut_late_ = path_stop_ != PathStop::none || !cut_fifo_behind(id);
+  if (faults_ != 0) return;
+  const bool stops =
+      path_stop_ == PathStop::stopped || (path_stop_ == PathStop::stopping && id != tail_id_);
+  cut_late_ = stops || !cut_fifo_behind(id);
 }
 
 bool Core::cut_fifo_behind(std::uint32_t id) {
