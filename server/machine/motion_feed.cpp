@@ -94,8 +94,7 @@ void MotionFeed::read_status() {
   const std::pair place_before{before.executing_id, before.executing_phase};
   status_ = link_.status();
   hal::ControllerStatus& board = status_.board;
-  if (board.moving || std::pair{board.executing_id, board.executing_phase} != place_before)
-    moved_at_ = board.time;
+  if (std::pair{board.executing_id, board.executing_phase} != place_before) moved_at_ = board.time;
   const motion::Compensation::State& state = state_of_board();
   motors_ = board.position;
   board.position = compensation_.machine_at(motors_, state);
@@ -290,17 +289,20 @@ Executing MotionFeed::executing() const {
   return {entry.tag, entry.feed_limit, entry.start_velocity + change * board.executing_phase};
 }
 
-/// A motor runs on a little behind its pulses; stopped or switched off then, it has slipped.
+/// A motor runs on a little behind its pulses, stopped along a ramp or not; switched off then, it
+/// has slipped. A segment that waits for the spindle moves nothing yet.
 AxisArray<bool> MotionFeed::axes_in_motion() const {
   const hal::ControllerStatus& board = status_.board;
-  const Sent& entry = sent(board.executing_id);
-  if (board.executing_id == 0 || entry.id != board.executing_id) return {};
+  if (board.executing_id == 0 || sent(board.executing_id).id != board.executing_id) return {};
+  const bool has_begun = board.executing_phase > 0.0;
+  const Sent& entry = has_begun ? sent(board.executing_id) : sent(sent(board.executing_id).before);
   AxisArray<bool> motors;
-  if (board.executing_phase < 1.0) motors = entry.moves;
+  const bool in_its_middle = has_begun && board.executing_phase < 1.0;
+  if (in_its_middle && entry.id > stopped_id_) motors = entry.moves;
   for (const Axis motor : kAllAxes) motors[motor] |= entry.motor_velocity[motor] != 0.0;
   const double settled = executed_time() + std::max(board.time - moved_at_, 0.0) - kSettling;
-  for (std::uint32_t id = entry.id;
-       id > stopped_id_ && sent(id).id == id && sent(id).end_time > settled; id = sent(id).before)
+  for (std::uint32_t id = entry.id; id != 0 && sent(id).id == id && sent(id).end_time > settled;
+       id = sent(id).before)
     for (const Axis motor : kAllAxes) motors[motor] |= sent(id).moves[motor];
   return axes_of(motors);
 }
@@ -342,11 +344,17 @@ void MotionFeed::accept_board_position() {
   accept_motors(motors_);
   // What was under way and did not come to its end is over now; the next segment starts at rest.
   Sent& executing = history_[status_.board.executing_id % kHistory];
-  if (executing.id == status_.board.executing_id) {
-    executing.moves = {};
+  const bool is_known = executing.id == status_.board.executing_id;
+  if (is_known) {
+    executing.end_time = executed_time();
+    executing.duration = 0.0;
     executing.end_velocity = executing.end_acceleration = executing.motor_velocity = {};
   }
   Sent& last = history_[last_id_ % kHistory];
+  if (last.id != executing.id) {
+    last.moves = {};
+    last.before = is_known ? executing.id : 0;
+  }
   last.end_velocity = last.end_acceleration = {};
   last.end_time = executed_time();
   last.ordinal = executing.ordinal;  // nothing is under way

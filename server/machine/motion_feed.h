@@ -73,8 +73,7 @@ class MotionFeed {
   [[nodiscard]] bool stopping() const { return position_unknown_; }
   [[nodiscard]] Executing executing() const;
   /// Axes whose motors the board was moving in the segment it executes, or in which it has been
-  /// stopped, and those that have not come to rest behind it yet. None once that stop has been
-  /// accepted.
+  /// stopped, as long as that stop has not been accepted; and those that have not come to rest yet.
   [[nodiscard]] AxisArray<bool> axes_in_motion() const;
   /// Those, and all that would still move in what was sent: where the board may be by now when it
   /// is not heard any more.
@@ -86,10 +85,12 @@ class MotionFeed {
   [[nodiscard]] std::uint32_t last_id() const { return last_id_; }
   [[nodiscard]] bool executed(std::uint32_t id) const;
   /// Id of the segment that the next setpoint becomes, or begins with, and whether the board has
-  /// begun the segment `id`.
+  /// begun the segment `id`. One that waits for the spindle has not.
   [[nodiscard]] std::uint32_t next_id() const { return newest_id_ + 1; }
   [[nodiscard]] bool begun(std::uint32_t id) const {
-    return id <= void_id_ || status_.board.executing_id >= id;
+    const hal::ControllerStatus& board = status_.board;
+    return id <= void_id_ || board.executing_id > id ||
+           (board.executing_id == id && board.executing_phase > 0.0);
   }
 
   /// Where the last setpoint ended: the start of the next.
@@ -187,7 +188,7 @@ class MotionFeed {
   Position commanded_;
   Position motors_;                // of the board, as counted
   double moved_at_ = 0.0;          // board time at which it was last seen in motion
-  std::uint32_t stopped_id_ = 0;   // up to here stops without a ramp have been accepted
+  std::uint32_t stopped_id_ = 0;   // up to here any stop has been accepted
   bool position_unknown_ = false;  // a quick stop is under way
 };
 

@@ -1,10 +1,12 @@
-// Every fault that a scenario can bring about, at a hundred random instants of a job each: what
-// becomes of the job, of the machine, of the spindle, and of what is known of the position. Prints
-// the table. In virtual time, the same in every run.
+// Every fault that a scenario can bring about, and pairs of them, at a hundred random instants of a
+// job each: what becomes of the job, of the machine, of spindle and coolant, and of what is known
+// of the position. Prints the table. In virtual time, the same in every run.
 #include <catch2/catch.hpp>
 #include <fmt/core.h>
 #include <limits>
 #include <random>
+#include <utility>
+#include <vector>
 
 #include "tests/server/rig.h"
 
@@ -109,6 +111,15 @@ struct Fault {
   void (*heal)(FaultRig&) = nullptr;
 };
 
+/// One fault, and another behind its beginning, somewhere between two times.
+struct Pair {
+  std::string_view name;
+  Fault first;
+  Fault second;
+  double soonest = 0.005;  ///< s
+  double latest = 0.1;
+};
+
 using hal::sim::VirtualMotor;
 
 void pull_cable(FaultRig& rig) { rig.line().cable_out = true; }
@@ -156,12 +167,67 @@ constexpr std::array kFaults{
           [](FaultRig& rig) { rig.bench().raise_external_error(true); }},
 };
 
+// A board that hears nothing waits for a quarter of a second and then brakes, for 0.2 s at the
+// most.
+constexpr double kSilent = 0.25;
+constexpr double kBraked = 0.45;
+
+constexpr Fault fault(std::string_view name) {
+  for (const Fault& row : kFaults)
+    if (row.name == name) return row;
+  throw "no such fault";  // does not compile
+}
+
+constexpr Fault kCableOut = fault("cable out for good");
+constexpr Fault kCableLoose = fault("cable out for 0.1 s");
+constexpr Fault kCableBack = fault("cable out for 0.3 s");
+constexpr Fault kEstop = fault("emergency stop, channel 1");
+constexpr Fault kReset = fault("board reset");
+constexpr Fault kAlarm = fault("drive alarm");
+constexpr Fault kGuardStop = fault("guard rule, smooth stop");
+constexpr Fault kGuardQuickStop = fault("guard rule, quick stop");
+constexpr Fault kStepsLost = fault("8 steps lost");
+constexpr Fault kBusy = fault("server too busy for 0.4 s");
+constexpr Fault kDoor = fault("door open");
+constexpr Fault kHalfDeaf = fault("70 % lost");
+constexpr Fault kEstopTapped{"emergency stop pressed for 20 ms", Fate::ends,
+                             [](FaultRig& rig) { rig.bench().press_estop(true); }, 0.02,
+                             [](FaultRig& rig) { rig.bench().press_estop(false); }};
+constexpr Fault kPaused{"pause", Fate::may_end,
+                        [](FaultRig& rig) { rig.machine.pause([](const Result<void>&) {}); }};
+constexpr Fault kStopped{"stop", Fate::ends,
+                         [](FaultRig& rig) { rig.machine.stop([](const Result<void>&) {}); }};
+
+constexpr std::array kPairs{
+    Pair{"emergency stop, then cable out", kEstop, kCableOut},
+    Pair{"emergency stop of 20 ms, then drive alarm", kEstopTapped, kAlarm},
+    Pair{"emergency stop, then board reset", kEstop, kReset},
+    Pair{"cable loose, then emergency stop", kCableLoose, kEstop},
+    Pair{"link lost, emergency stop while it brakes", kCableBack, kEstop, kSilent, kBraked},
+    Pair{"link lost, guard while it brakes", kCableOut, kGuardStop, kSilent, kBraked},
+    Pair{"link lost, board reset while it brakes", kCableOut, kReset, kSilent, kBraked},
+    Pair{"guard stop, then 8 steps lost", kGuardStop, kStepsLost},
+    Pair{"guard stop, then board reset", kGuardStop, kReset},
+    Pair{"guard stop, then cable out", kGuardStop, kCableOut},
+    Pair{"guard stop, then drive alarm", kGuardStop, kAlarm},
+    Pair{"guard stop, then emergency stop of 20 ms", kGuardStop, kEstopTapped},
+    Pair{"guard stop, then quick stop by another", kGuardStop, kGuardQuickStop},
+    Pair{"guard stop, then server too busy", kGuardStop, kBusy},
+    Pair{"70 % lost, then guard stop", kHalfDeaf, kGuardStop},
+    Pair{"pause, then guard stop", kPaused, kGuardStop},
+    Pair{"pause, then drive alarm", kPaused, kAlarm},
+    Pair{"stop, then door open", kStopped, kDoor},
+    Pair{"stop, then cable out", kStopped, kCableOut},
+    Pair{"board reset, then emergency stop", kReset, kEstop},
+};
+
 /// Of all instants of one fault.
 struct Outcome {
   int ended = 0;              ///< jobs that did not come to their end
   int wrong = 0;              ///< … although they should have, or the other way round
   int still_moving = 0;       ///< after a job that ended
-  int spindle_on = 0;         ///< after a job that ended
+  int spindle_on = 0;         ///< after the job, however it ended
+  int flood_on = 0;           ///< after the job
   int in_doubt = 0;           ///< an axis is not trusted
   int claims_too_much = 0;    ///< trust that is wrong
   int elsewhere = 0;          ///< a job came to its end, the machine not to its place
@@ -169,24 +235,36 @@ struct Outcome {
   double beyond_limits = -std::numeric_limits<double>::infinity();  ///< mm
 };
 
-/// Runs until the job has ended and the machine has stood still for half a second; returns the time
-/// of the last motion, s behind the fault's `begin`.
-double run_out(FaultRig& rig, const Fault& fault, double begin, Outcome& outcome) {
+/// Something that is done to the machine.
+struct Deed {
+  double at;  ///< s
+  void (*act)(FaultRig&);
+};
+
+void plan(std::vector<Deed>& deeds, const Fault& fault, double at) {
+  deeds.push_back({at, fault.strike});
+  if (fault.heal != nullptr) deeds.push_back({at + fault.lasts, fault.heal});
+}
+
+/// Does what is planned, until the job has ended and the machine has stood still for half a second;
+/// returns the time of the last motion, s behind the first deed.
+double run_out(FaultRig& rig, std::vector<Deed> deeds, Outcome& outcome) {
   constexpr double kLongest = 20.0;  // s; a spindle that gives no index is waited for, for 10 s
   constexpr double kRest = 0.5;      // s
-  const double healed = begin + fault.lasts;
+  std::ranges::sort(deeds, {}, &Deed::at);
+  const double begin = deeds.front().at;
   double moved = begin;
   double worked = begin;
   Position last = rig.truth();
+  auto next = deeds.begin();
   for (double now = rig.simulation.time(); now < begin + kLongest; now = rig.simulation.time()) {
-    if (fault.heal != nullptr && now >= healed) fault.heal(rig);
+    for (; next != deeds.end() && now >= next->at; ++next) next->act(rig);
     rig.simulation.cycle();
     if (rig.truth() != last) moved = now;
     if (rig.state() == State::running) worked = now;
     last = rig.truth();
     outcome.beyond_limits = std::max(outcome.beyond_limits, rig.beyond_limits());
-    if (now > std::max({moved, worked, fault.heal != nullptr ? healed : 0.0}) + kRest)
-      return moved - begin;
+    if (now > std::max({moved, worked, deeds.back().at}) + kRest) return moved - begin;
   }
   ++outcome.still_moving;
   return kLongest;
@@ -198,27 +276,49 @@ struct Whole {
   double time;  // s
 };
 
-void strike_once(const Fault& fault, std::mt19937& random, const Whole& whole, Outcome& outcome) {
+Whole undisturbed() {
+  FaultRig rig(0.005);
+  rig.start(std::string(kJob));
+  const double begin = rig.simulation.time();
+  REQUIRE(rig.becomes(State::ready, 10.0));
+  REQUIRE(rig.shown()->job.ended_well);
+  REQUIRE(rig.bench().flood_time() > 0.0);
+  return {rig.truth(), rig.simulation.time() - begin};
+}
+
+/// The second fault, if there is one, comes `soonest` to `latest` behind the first.
+void strike_once(const Fault& first, const Pair* pair, std::mt19937& random, const Whole& whole,
+                 Outcome& outcome) {
   std::uniform_real_distribution<double> part(0.0, 1.0);
   // A cycle of another length each time: the fault meets the board's and the job's every phase.
   FaultRig rig(0.004 + 0.002 * part(random));
   rig.start(std::string(kJob));
-  rig.run_for(0.98 * whole.time * part(random));
+  // The second fault has to meet a job too.
+  const double latest = 0.98 * whole.time - (pair != nullptr ? pair->latest : 0.0);
+  rig.run_for(latest * part(random));
   REQUIRE(rig.state() == State::running);
   const double begin = rig.simulation.time();
-  fault.strike(rig);
-  const double stop = run_out(rig, fault, begin, outcome);
+  std::vector<Deed> deeds;
+  plan(deeds, first, begin);
+  if (pair != nullptr) {
+    const double behind = pair->soonest + (pair->latest - pair->soonest) * part(random);
+    plan(deeds, pair->second, begin + behind);
+  }
+  const double stop = run_out(rig, std::move(deeds), outcome);
   const bool ended = !rig.shown()->job.ended_well;
   outcome.ended += ended ? 1 : 0;
+  const auto has_fate = [&](Fate fate) {
+    return first.fate == fate || (pair != nullptr && pair->second.fate == fate);
+  };
   const bool is_wrong =
-      (fault.fate == Fate::ends && !ended) || (fault.fate == Fate::goes_on && ended);
+      ended ? !has_fate(Fate::ends) && !has_fate(Fate::may_end) : has_fate(Fate::ends);
   outcome.wrong += is_wrong ? 1 : 0;
-  if (ended) {
+  if (ended)
     outcome.slowest_stop = std::max(outcome.slowest_stop, stop);
-    outcome.spindle_on += rig.bench().outputs().spindle_on ? 1 : 0;
-  } else if (rig.truth() != whole.end) {
+  else if (rig.truth() != whole.end)
     ++outcome.elsewhere;
-  }
+  outcome.spindle_on += rig.bench().outputs().spindle_on ? 1 : 0;
+  outcome.flood_on += rig.bench().outputs().flood ? 1 : 0;
   const AxisArray<Trust>& trust = rig.shown()->trust;
   const bool in_doubt =
       std::ranges::any_of(kLinearAxes, [&](Axis axis) { return trust[axis] != Trust::trusted; });
@@ -226,31 +326,41 @@ void strike_once(const Fault& fault, std::mt19937& random, const Whole& whole, O
   outcome.claims_too_much += rig.trust_claims_too_much() ? 1 : 0;
 }
 
+void print_head(std::string_view what) {
+  fmt::print(
+      "\n| {} | jobs ended | still after, s | spindle on | flood on | in doubt | trusted wrongly "
+      "| mm inside the limits |\n|---|---:|---:|---:|---:|---:|---:|---:|\n",
+      what);
+}
+
+void strike(std::string_view name, const Fault& first, const Pair* pair, const Whole& whole) {
+  INFO(name);
+  std::mt19937 random(1);
+  Outcome outcome;
+  for (int i = 0; i < kInstants; ++i) strike_once(first, pair, random, whole, outcome);
+  fmt::print("| {} | {} | {:.3f} | {} | {} | {} | {} | {:.1f} |\n", name, outcome.ended,
+             outcome.slowest_stop, outcome.spindle_on, outcome.flood_on, outcome.in_doubt,
+             outcome.claims_too_much, -outcome.beyond_limits);
+  CHECK(outcome.wrong == 0);
+  CHECK(outcome.still_moving == 0);
+  CHECK(outcome.spindle_on == 0);
+  CHECK(outcome.flood_on == 0);
+  CHECK(outcome.claims_too_much == 0);
+  CHECK(outcome.elsewhere == 0);
+  CHECK(outcome.beyond_limits <= 0.0);
+}
+
 }  // namespace
 
 TEST_CASE("Any fault, at any instant of a job: the table of outcomes", "[LNK-4][STA-4][safety]") {
-  FaultRig undisturbed(0.005);
-  undisturbed.start(std::string(kJob));
-  const double begin = undisturbed.simulation.time();
-  REQUIRE(undisturbed.becomes(State::ready, 10.0));
-  REQUIRE(undisturbed.shown()->job.ended_well);
-  const Whole whole{undisturbed.truth(), undisturbed.simulation.time() - begin};
-  fmt::print(
-      "| fault | jobs ended | still after, s | spindle on | in doubt | trusted wrongly | "
-      "mm inside the limits |\n|---|---:|---:|---:|---:|---:|---:|\n");
-  for (const Fault& fault : kFaults) {
-    INFO(fault.name);
-    std::mt19937 random(1);
-    Outcome outcome;
-    for (int i = 0; i < kInstants; ++i) strike_once(fault, random, whole, outcome);
-    fmt::print("| {} | {} | {:.3f} | {} | {} | {} | {:.1f} |\n", fault.name, outcome.ended,
-               outcome.slowest_stop, outcome.spindle_on, outcome.in_doubt, outcome.claims_too_much,
-               -outcome.beyond_limits);
-    CHECK(outcome.wrong == 0);
-    CHECK(outcome.still_moving == 0);
-    CHECK(outcome.spindle_on == 0);
-    CHECK(outcome.claims_too_much == 0);
-    CHECK(outcome.elsewhere == 0);
-    CHECK(outcome.beyond_limits <= 0.0);
-  }
+  const Whole whole = undisturbed();
+  print_head("fault");
+  for (const Fault& fault : kFaults) strike(fault.name, fault, nullptr, whole);
+}
+
+TEST_CASE("A fault behind another, at any instant of a job: the table of outcomes",
+          "[LNK-4][STA-4][safety]") {
+  const Whole whole = undisturbed();
+  print_head("faults");
+  for (const Pair& pair : kPairs) strike(pair.name, pair.first, &pair, whole);
 }

@@ -41,6 +41,23 @@ TEST_CASE("A thread follows the spindle from its index on, and a tap comes out a
   CHECK(macro.rig.shown()->spindle == interp::SpindleDirection::clockwise);
 }
 
+TEST_CASE("What waits for the index moves nothing: an emergency stop then costs no trust",
+          "[GCO-7][LNK-4][STA-4]") {
+  HomedRig rig({"SPINDLE_0.spindleRampUpTime=0.5", "SPINDLE_0.spindleNmin=0"});
+  // Within 0.2 s from pulse to pulse.
+  rig.start("M3 S300\nG33 Z-5 K1\n");
+  const auto waits = [&] {
+    return rig.shown()->job.line == 2 && rig.simulation.link().status().board.moving;
+  };
+  REQUIRE(rig.becomes(waits, 20.0));
+  rig.simulation.virtual_machine().set_index_missing(true);
+  rig.run_for(0.3);
+  REQUIRE(rig.shown()->machine_position[Axis::Z] == Approx(10.0));
+  rig.simulation.virtual_machine().press_estop(true);
+  REQUIRE(rig.becomes(State::estop, 0.1));
+  for (const Axis axis : kLinearAxes) CHECK(rig.homed(axis));
+}
+
 TEST_CASE("A thread needs a turning spindle and axes that can follow", "[GCO-7]") {
   MacroRig macro("sub nothing\nendsub",
                  {"SPINDLE_0.spindleRampUpTime=0", "SPINDLE_0.spindleNmin=0"});
