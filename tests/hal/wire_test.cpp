@@ -2,6 +2,7 @@
 #include <catch2/catch.hpp>
 #include <random>
 
+#include "hal/cpu5/driver/serial_channel.h"
 #include "hal/cpu5/wire/cobs.h"
 #include "hal/cpu5/wire/crc32.h"
 #include "hal/cpu5/wire/messages.h"
@@ -318,6 +319,23 @@ TEST_CASE("A velocity that no board can make stays one", "[hal][LNK-9]") {
   firmware::HostFrame read_back;
   REQUIRE(read(body_of(frame), read_back));
   CHECK(read_back.segments[0].velocity[0] > firmware::kTopVelocity);
+}
+
+TEST_CASE("The least rate of a serial line passes the longest status 500 times a second",
+          "[hal][LNK-1][LNK-9]") {
+  firmware::Status status;
+  for (firmware::HomeLatch& latch : status.home_latch) latch = {.armed = true};
+  status.probe_latch.armed = true;
+  Bytes memory(kMaxPacket);
+  PacketWriter writer(memory, PacketType::status, 7);
+  put_status(writer.body(), {}, status);
+  Bytes stuffed(cobs_size(kMaxPacket));
+  const std::size_t size = write_cobs(writer.finish(), stuffed);
+  CAPTURE(size);
+  CHECK(size <= 350);
+  constexpr unsigned kBits = 10;  // of a byte: start, 8, stop
+  CHECK(500 * kBits * size <= SerialChannel::kLeastRate);
+  CHECK(SerialChannel::kUsualRate >= SerialChannel::kLeastRate);
 }
 
 TEST_CASE("A packet with any wrong bit is none", "[hal][LNK-9]") {

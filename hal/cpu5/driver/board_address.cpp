@@ -104,6 +104,24 @@ Result<std::unique_ptr<PacketChannel>> make_udp_channel(std::string_view rest) {
   return std::make_unique<UdpChannel>(std::string(rest.substr(0, colon)), port);
 }
 
+/// Names of devices have colons; the rate is behind the last @.
+Result<std::unique_ptr<PacketChannel>> make_serial_channel(std::string_view rest) {
+  const auto at = rest.rfind('@');
+  unsigned rate = SerialChannel::kUsualRate;
+  if (at != rest.npos) {
+    const auto text = rest.substr(at + 1);
+    const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), rate);
+    if (wrong != std::errc{} || end != text.data() + text.size() ||
+        rate < SerialChannel::kLeastRate) {
+      return fail(ErrorCode::board_address_wrong,
+                  fmt::format("\"{}\" is no baud rate for a board; a serial line has to pass at "
+                              "least {} baud, or the board's answers come late. USB needs no rate.",
+                              text, SerialChannel::kLeastRate));
+    }
+  }
+  return std::make_unique<SerialChannel>(std::string(rest.substr(0, at)), rate);
+}
+
 }  // namespace
 
 std::vector<FoundBoard> find_boards() {
@@ -137,13 +155,11 @@ Result<std::unique_ptr<PacketChannel>> make_channel(std::string_view address) {
   constexpr std::string_view kUdp = "udp:";
   constexpr std::string_view kSerial = "serial:";
   if (address.starts_with(kUdp)) return make_udp_channel(address.substr(kUdp.size()));
-  if (address.starts_with(kSerial)) {
-    return std::make_unique<SerialChannel>(std::string(address.substr(kSerial.size())));
-  }
+  if (address.starts_with(kSerial)) return make_serial_channel(address.substr(kSerial.size()));
   if (address != "auto") {
     return fail(ErrorCode::board_address_wrong,
                 fmt::format("\"{}\" is no address of a board: it has to be auto, udp:HOST:PORT or "
-                            "serial:/dev/NAME.",
+                            "serial:/dev/NAME, with @RATE for a line with wires.",
                             address));
   }
   const auto boards = find_boards();

@@ -1,4 +1,5 @@
-// Where a board is: "udp:172.22.2.100:5005", "serial:/dev/ttyACM0", or "auto", which asks around.
+// Where a board is: "udp:172.22.2.100:5005", "serial:/dev/ttyACM0", "serial:/dev/ttyUSB0@3000000"
+// with the baud rate of a line with wires, or "auto", which asks around.
 #pragma once
 
 #include <memory>

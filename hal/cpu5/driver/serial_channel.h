@@ -14,8 +14,13 @@ namespace cnc::hal::cpu5 {
 
 class SerialChannel final : public PacketChannel {
  public:
+  static constexpr unsigned kUsualRate = 2'000'000;  // baud
+  /// What a line has to pass: a status of 350 bytes at 10 bits, 500 times a second. On a slower one
+  /// the answers would queue up, and with them all that waits for them: a feed hold, a cut.
+  static constexpr unsigned kLeastRate = 1'750'000;
+
   /// `device`: /dev/ttyACM0. The rate counts for a line with wires only, not for USB.
-  explicit SerialChannel(std::string device, unsigned rate = 921'600);
+  explicit SerialChannel(std::string device, unsigned rate = kUsualRate);
 
   Result<void> open() override;
   void close() override;
