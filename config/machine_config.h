@@ -105,6 +105,7 @@ struct HeadOffset {
 struct SafetyConfig {
   bool homing_mandatory = true;
   bool home_sensor_is_estop = false;
+  bool drives_hold_position = false;  ///< also while they are off
   bool shut_down_on_fatal = false;  ///< the server ends when it loses the board
 
   friend bool operator==(const SafetyConfig&, const SafetyConfig&) = default;

@@ -159,6 +159,7 @@ class Machine {
   void on_further_fault(hal::Faults faults);
   void tell_fault(std::string_view name) const;
   void watch_guards();
+  void watch_drives(bool on);
   void obey_guard();
   void stop_at_once(Error error);
   void end_everything(Error error);

@@ -55,6 +55,7 @@ void Machine::watch_board() {
   const bool has_ended = state_ == State::estop || state_ == State::error;
   if (board.faults != 0 && !has_ended) on_fault(board.faults);
   if (begun != 0 && has_ended) on_further_fault(begun);
+  watch_drives(board.outputs.drives_enabled);
   // The board may still have been braking its last steps when the fault was seen.
   if ((state_ == State::estop || state_ == State::error) && !board.moving)
     feed_.accept_board_position();
@@ -85,6 +86,7 @@ void Machine::take_board() {
 void Machine::lose_board() {
   tell_fault("link_lost");
   lose_trust(TrustEvent::link_lost, feed_.axes_under_way());
+  watch_drives(false);  // a board that hears nothing switches them off
   io_.board_is_off();
   feed_.accept_board_position();
   const Error lost{ErrorCode::link_lost,
@@ -112,6 +114,14 @@ void Machine::watch_guards() {
       guard_stop_ = error_of_guard(i, rule);
   }
   if (guard_stop_) obey_guard();
+}
+
+/// A motor without current can be turned, a vertical axis sags, and a stepper goes to where it is
+/// drawn when it is switched on again. Drives with an encoder know (drivesHoldPosition).
+void Machine::watch_drives(bool on) {
+  const bool went_off = std::exchange(drives_on_, on) && !on;
+  if (went_off && !data_.config.safety.drives_hold_position)
+    lose_trust(TrustEvent::drives_off, AxisArray<bool>::filled(true));
 }
 
 /// Until the board stands the path that it brakes along is still fed.

@@ -26,6 +26,8 @@ constexpr std::array kRules{
     Rule{TrustEvent::steps_lost, Trust::unknown,
          "Drives have raised their alarm: their motors have lost steps."},
     Rule{TrustEvent::homing_begun, Trust::doubtful, "Homing was not finished."},
+    Rule{TrustEvent::drives_off, Trust::doubtful,
+         "The drives were switched off: nothing held the axes."},
 };
 
 static_assert(

@@ -32,6 +32,7 @@ enum class TrustEvent : std::uint8_t {
   counts_lost,          ///< the board was reset
   steps_lost,           ///< the axes' drives have noticed it
   homing_begun,         ///< until it is done
+  drives_off,           ///< they hold the axes no more
 };
 
 class PositionTrust {

@@ -1,5 +1,6 @@
 // Emergency stop and reset (STA-2, STA-4).
 #include <catch2/catch.hpp>
+#include <fmt/format.h>
 
 #include "tests/server/rig.h"
 
@@ -65,8 +66,72 @@ TEST_CASE("An emergency stop at rest costs no axis its home", "[STA-4]") {
   REQUIRE(rig.reset());
   REQUIRE(rig.home({Axis::X}));  // by hand
   // The board still shows the segment in which it was stopped; nothing moves now.
+  rig.run_for(0.1);
   press(rig);
   for (const Axis axis : kLinearAxes) CHECK(rig.homed(axis));
+}
+
+TEST_CASE(
+    "Drives that were off have held nothing: each axis is doubtful, unless they have encoders",
+    "[STA-4][LNK-4][safety]") {
+  struct Row {
+    std::string_view how;
+    void (*switch_off)(Rig&);
+  };
+  const std::vector<Row> rows{
+      {"emergency stop", [](Rig& rig) { press(rig); }},
+      {"drive alarm of another axis",
+       [](Rig& rig) {
+         rig.simulation.virtual_machine().raise_drive_alarm(Axis::A, true);
+         REQUIRE(rig.becomes(State::error, 0.1));
+       }},
+      {"M81", [](Rig& rig) { REQUIRE(rig.mdi("M81")); }},
+      {"M81 in a job, and M80 again",
+       [](Rig& rig) {
+         rig.start("M81\nG4 P0.1\nM80\n");
+         REQUIRE(rig.becomes([&] { return rig.state() != State::running; }));
+       }},
+      {"lost link",
+       [](Rig& rig) {
+         rig.simulation.virtual_controller().trouble().cable_out = true;
+         REQUIRE(rig.becomes(State::off, 1.0));
+       }},
+  };
+  for (const Row& row : rows) {
+    for (const bool encoders : {false, true}) {
+      CAPTURE(row.how, encoders);
+      HomedRig rig({fmt::format("SAFETY.drivesHoldPosition={}", encoders ? 1 : 0)});
+      const Position place = rig.position();
+      row.switch_off(rig);
+      rig.run_for(0.1);
+      for (const Axis axis : kLinearAxes)
+        CHECK(rig.shown()->trust[axis] == (encoders ? Trust::trusted : Trust::doubtful));
+      CHECK(rig.position() == place);
+    }
+  }
+}
+
+TEST_CASE("A reset that switches no drive off costs no trust", "[STA-2][LNK-4]") {
+  HomedRig rig({"SAFETY.drivesHoldPosition=0"});
+  start_cut(rig);
+  REQUIRE(rig.reset());
+  REQUIRE(rig.reset());
+  for (const Axis axis : kLinearAxes) CHECK(rig.homed(axis));
+}
+
+TEST_CASE("After an emergency stop the operator homes, or vouches for where the axes stand",
+          "[STA-4][LNK-4][safety]") {
+  Rig rig(shipped_machine({"SAFETY.drivesHoldPosition=0", "AXIS_X.homeVelocity=0",
+                           "AXIS_Y.homeVelocity=0", "AXIS_Z.homeVelocity=0"}));
+  REQUIRE(rig.reset());
+  REQUIRE(rig.home());
+  REQUIRE(rig.state() == State::ready);
+  press(rig);
+  release(rig);
+  REQUIRE(rig.reset());
+  CHECK(rig.state() == State::needs_homing);
+  REQUIRE(rig.machine.accept_position({}));
+  CHECK(rig.becomes(State::ready, 0.1));
 }
 
 TEST_CASE("A jogged axis loses its home as well", "[STA-4][safety]") {

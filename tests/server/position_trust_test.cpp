@@ -52,6 +52,8 @@ TEST_CASE("Each event leaves the axes that it concerns so much trust, the others
       {TrustEvent::steps_lost, Trust::unknown, Trust::unknown},
       // the axis still counts as it did
       {TrustEvent::homing_begun, Trust::doubtful, Trust::doubtful},
+      // a motor without current can be turned, and a vertical axis sags
+      {TrustEvent::drives_off, Trust::doubtful, Trust::doubtful},
   }));
   PositionTrust trust = homed();
   trust.take(TrustEvent::stopped_on_the_spot, only(Axis::Y));

@@ -13,7 +13,9 @@
 namespace cnc::server::test {
 
 MachineData shipped_machine(const std::vector<std::string>& settings) {
-  auto config = config::parse_machine_config(shipped_cnc_ini(), "cnc.ini", settings);
+  std::vector<std::string> all{"SAFETY.drivesHoldPosition=1"};
+  all.insert(all.end(), settings.begin(), settings.end());
+  auto config = config::parse_machine_config(shipped_cnc_ini(), "cnc.ini", all);
   if (!config) throw std::runtime_error(config.error().front().to_string());
   MachineData data;
   data.config = std::move(*config);

@@ -9,7 +9,8 @@
 
 namespace cnc::server::test {
 
-/// The shipped configuration with `settings` ("SECTION.key=value") in the place of its own. No work
+/// The shipped configuration with `settings` ("SECTION.key=value") in the place of its own. Its
+/// drives have encoders (drivesHoldPosition), so that a test sees what else costs trust. No work
 /// offset: work coordinates are machine coordinates.
 [[nodiscard]] MachineData shipped_machine(const std::vector<std::string>& settings = {});
 
