@@ -175,9 +175,10 @@ class Controller {
 
   /// Replaces the end of the path: drops every segment behind `id`. What is pushed from now on goes
   /// on from the end of `id` and has to be there before the board comes to it, best in the same
-  /// exchange. If the board is past `id` already, or stopping along the path with segments behind
-  /// `id`, the cut is late: status.cut_late says so, the board goes on with the segments that it has,
-  /// and drops those pushed since the cut, until the next one. One cut in an exchange.
+  /// exchange. If the board is past `id` already with segments behind it, or stopping along the
+  /// path with segments behind `id`, or stopped along it, the cut is late: status.cut_late says so,
+  /// the board goes on with the segments that it has, and drops those pushed since the cut, until
+  /// the next one. One cut in an exchange.
   virtual void cut_behind(std::uint32_t id) = 0;
 
   /// While a fault is pending the board keeps its outputs in the safe state, and it does not bring

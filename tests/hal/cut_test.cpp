@@ -171,6 +171,66 @@ TEST_CASE("Behind a late cut the path that the board brakes along can be fed on"
   CHECK(static_cast<double>(core.status().counts[0]) == Approx(250 + 2500).epsilon(0.02));
 }
 
+TEST_CASE("A path near the highest speed is fed on while the board brakes along it",
+          "[hal][LNK-8][safety]") {
+  // 95 % of 400 kHz: above the 80 % to which a path is held that may still pass faster than
+  // planned.
+  constexpr double kFrequency = 0.95 * 400'000;
+  constexpr double kSteps = 0.01 * kFrequency;  // of a segment
+  const bool cuts = GENERATE(false, true);
+  CAPTURE(cuts);
+  WatchedBoard board;
+  Core core(board);
+  Setup slow = kFastBoard;
+  // At 760000 steps/s^2 braking takes 0.5 s and 0.25 s of path time, 25 segments.
+  slow.max_acceleration[0] =
+      static_cast<StepAcceleration>(std::ldexp(2.0 * kFrequency / 1e14, kAccelerationBits));
+  REQUIRE(core.set_up(slow));
+  // The first one speeds up from a standstill: on average half of the frequency.
+  const auto push = [&](std::uint32_t id) {
+    return core.push(x_segment(id, 0.01, kSteps * (id - 0.5), kFrequency));
+  };
+  for (std::uint32_t id = 1; id <= 20; ++id) REQUIRE(push(id));
+  core.advance(ticks(0.025));
+  core.stop_along_path();
+  core.advance(ticks(0.01));
+  REQUIRE(core.status().time_scale < kFullScale);
+  if (cuts) {
+    core.cut_behind(10);
+    REQUIRE(core.status().cut_late);
+    core.cut_behind(20);
+    REQUIRE_FALSE(core.status().cut_late);
+  }
+  for (std::uint32_t id = 21; id <= 40; ++id) {
+    CAPTURE(id);
+    REQUIRE(push(id));
+  }
+  core.advance(ticks(1.0));
+  CHECK(core.status().faults == 0);
+  CHECK(core.status().path_stop == PathStop::stopped);
+  // 2 segments at full speed, less the half that speeding up has cost, and 25 of braking.
+  CHECK(static_cast<double>(core.status().counts[0]) == Approx(27 * kSteps).epsilon(0.02));
+}
+
+TEST_CASE("Stopped along the path every cut is late, and the release of the stop ends that",
+          "[hal][LNK-8]") {
+  Cruise cruise;
+  Core& core = cruise.core;
+  core.advance(ticks(0.025));
+  core.stop_along_path();
+  core.advance(ticks(1.0));
+  REQUIRE(core.status().path_stop == PathStop::stopped);
+  const std::uint32_t id = GENERATE(3U, 20U);  // in which it stands, and the last of all
+  core.cut_behind(id);
+  CHECK(core.status().cut_late);
+  core.release_stop();
+  CHECK_FALSE(core.status().cut_late);
+  const double here = static_cast<double>(core.status().counts[0]);
+  REQUIRE(core.push(x_segment(7, 0.01, here + 10)));
+  core.advance(ticks(0.01));
+  CHECK(static_cast<double>(core.status().counts[0]) == here + 10);
+}
+
 TEST_CASE("Behind a cut in a thread the room for a faster spindle is still kept",
           "[hal][LNK-8][LNK-3]") {
   WatchedBoard board;

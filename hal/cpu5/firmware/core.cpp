@@ -130,9 +130,9 @@ bool Core::may_be_scaled(const Segment& segment) const {
 void Core::cut_behind(std::uint32_t id) {
   const HostCall call(*this);
   if (faults_ != 0) return;
-  const bool stops =
-      path_stop_ == PathStop::stopped || (path_stop_ == PathStop::stopping && id != tail_id_);
-  cut_late_ = stops || !cut_fifo_behind(id);
+  const bool tail_stays = path_stop_ == PathStop::stopping && id == tail_id_;
+  if (tail_stays) any_id_ = true;
+  cut_late_ = !tail_stays && (path_stop_ != PathStop::none || !cut_fifo_behind(id));
 }
 
 bool Core::cut_fifo_behind(std::uint32_t id) {
@@ -185,6 +185,7 @@ void Core::release_stop() {
   const HostCall call(*this);
   if (path_stop_ != PathStop::stopped) return;
   path_stop_ = PathStop::none;
+  cut_late_ = false;
   if (std::exchange(stop_again_, false)) begin_stop();
 }
 

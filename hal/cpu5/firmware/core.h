@@ -27,10 +27,11 @@
 //
 // A cut replaces the end of the path: what waits behind a segment that is not finished yet is
 // dropped, and what is pushed afterwards goes on from that segment's end. A cut behind a segment
-// that is finished is late: the path goes on as it was, and what the host sends for its new path is
-// dropped until the next cut, which the host will send when it has read that. While the board stops
-// along the path every cut is late but one behind the very last segment, which drops nothing: with
-// that a host whose cut was late goes on to feed the path that the board brakes along.
+// that is finished, and not the very last one, is late: the path goes on as it was, and what the
+// host sends for its new path is dropped until the next cut, which the host will send when it has
+// read that. While the board stops along the path every cut is late but one behind the very last
+// segment, which drops nothing: with that a host whose cut was late goes on to feed the path that
+// the board brakes along. Stopped: every cut is late, until the stop is released.
 //
 // A segment may wait for the spindle's index pulse and then counts its time from the very moment of
 // the pulse, although the core sees it up to a slice later: threads cut in several passes meet.
