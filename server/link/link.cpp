@@ -37,6 +37,7 @@ void Link::cycle(double now) {
   path_is_void_ = settled && status.board.path_stop == hal::PathStop::stopped;
   note_done(status.board.frames_done);
   status.items_done = items_done_;
+  status.given_before_cut = given_before_cut_;
   status.interval = now - std::exchange(last_exchange_, now);
   statistics_.note(status.board);
   status_.publish();
@@ -50,7 +51,7 @@ void Link::deliver() {
   const auto may_deliver = [this] {
     return queue_.read_available() > 0 && quick_stop_before_.load(std::memory_order_acquire) == 0;
   };
-  while (may_deliver() && (deliver(queue_.front()) || is_cut_off(queue_.front()))) {
+  while (may_deliver() && dispose_of(queue_.front())) {
     queue_.pop();
     note_delivered();
   }
@@ -74,13 +75,24 @@ void Link::note_done(std::uint64_t frames_done) {
   if (all_answered) items_done_ = delivered_;
 }
 
-/// A segment that a cut behind it in the queue replaces, and that must not hold it up where the board
-/// has no room. Where there is room the board gets it: should the cut be late, the path goes on with
-/// it. The number of the cut is loaded first: what it cuts behind was stored before.
-bool Link::is_cut_off(const LinkItem& item) const {
+/// By a cut behind it in the queue. The number of the cut is loaded first: what it cuts behind was
+/// stored before.
+bool Link::is_replaced(const LinkItem& item) const {
   const auto* segment = std::get_if<hal::Segment>(&item);
   return segment != nullptr && delivered_ < cut_item_.load(std::memory_order_acquire) &&
          segment->id > cut_behind_.load(std::memory_order_relaxed);
+}
+
+/// A segment that is replaced must not hold up the cut where the board has no room. Where there is
+/// room the board gets it: should the cut be late, the path goes on with it. But none behind one
+/// that was dropped: the board would take the gap for a fault.
+bool Link::dispose_of(const LinkItem& item) {
+  const bool replaced = is_replaced(item);
+  const std::uint64_t cut = cut_item_.load(std::memory_order_relaxed);
+  if (replaced && shortened_by_ == cut) return true;
+  if (deliver(item)) return true;
+  if (replaced) shortened_by_ = cut;
+  return replaced;
 }
 
 bool Link::deliver(const LinkItem& item) {
@@ -88,13 +100,20 @@ bool Link::deliver(const LinkItem& item) {
     hal::Controller& board;
     bool& path_is_void;
     std::uint64_t& settling_frame;
+    std::uint32_t& given_id;
+    std::uint32_t& given_before_cut;
     bool is_committed;
     bool operator()(const hal::Segment& segment) const {
-      return path_is_void || board.push({&segment, 1}) == 1;
+      if (path_is_void) return true;
+      if (board.push({&segment, 1}) != 1) return false;
+      given_id = segment.id;
+      return true;
     }
     bool operator()(const CutBehind& cut) const {
-      if (is_committed) board.cut_behind(cut.id);
-      return is_committed;
+      if (!is_committed) return false;
+      board.cut_behind(cut.id);
+      given_before_cut = given_id;
+      return true;
     }
     bool operator()(const JoinSession&) const { return true; }
     bool operator()(const ArmProbe&) const {
@@ -136,7 +155,9 @@ bool Link::deliver(const LinkItem& item) {
     }
   };
   const bool is_committed = delivered_ < cut_item_.load(std::memory_order_acquire);
-  return std::visit(Visitor{*controller_, path_is_void_, settling_frame_, is_committed}, item);
+  return std::visit(Visitor{*controller_, path_is_void_, settling_frame_, given_id_,
+                            given_before_cut_, is_committed},
+                    item);
 }
 
 void Link::drop_queue() {

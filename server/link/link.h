@@ -61,6 +61,9 @@ struct LinkStatus {
   hal::ControllerStatus board;
   /// Items that have reached the board, since the link was made; `board` shows what came of them.
   std::uint64_t items_done = 0;
+  /// Id of the last segment that the board had been given when the last cut was: should that be
+  /// late, the path that the board goes on with ends there.
+  std::uint32_t given_before_cut = 0;
   double interval = 0.0;  ///< s between the last two exchanges
 };
 
@@ -81,7 +84,7 @@ class Link {
   /// the new ones, commit_cut(). The link thread then brings cut and new segments to the board in
   /// one cycle; what they replace goes before them as far as the board has room, and is dropped
   /// where it has none. When the item that begin_cut() has pushed is done, the status says whether
-  /// it was late. One at a time.
+  /// it was late, and what the board has of the old path then. One at a time.
   bool begin_cut(std::uint32_t id);
   void commit_cut() { cut_item_.store(begun_cut_, std::memory_order_release); }
   /// Overtakes everything: pulses stop at once, items pushed before are dropped (and count as
@@ -99,9 +102,11 @@ class Link {
 
  private:
   void deliver();
+  /// Whether it leaves the queue: delivered, or cut off.
+  bool dispose_of(const LinkItem& item);
   /// False when the board has no room for it yet, or it is a cut that is not committed.
   bool deliver(const LinkItem& item);
-  [[nodiscard]] bool is_cut_off(const LinkItem& item) const;
+  [[nodiscard]] bool is_replaced(const LinkItem& item) const;
   void drop_queue();
   void drop_front();
   void note_delivered();
@@ -131,6 +136,9 @@ class Link {
   std::uint64_t frames_done_ = 0;
   std::uint64_t settling_frame_ = 0;  // clears faults or releases a stop: older status is past
   bool path_is_void_ = false;         // the board has stopped along the path: no segment reaches it
+  std::uint32_t given_id_ = 0;        // of the last segment that the controller took
+  std::uint32_t given_before_cut_ = 0;
+  std::uint64_t shortened_by_ = 0;  // number of the cut that has dropped segments in the queue
   LinkStatistics statistics_;
 };
 

@@ -204,29 +204,33 @@ std::size_t MotionFeed::under_way() const {
 std::size_t MotionFeed::replaceable() {
   constexpr double kLatest = 0.001;
   read_status();
-  if (status_.board.path_stop != hal::PathStop::none) return 0;
+  const bool stops = status_.board.path_stop != hal::PathStop::none;
   const double reached = executed_time() + patience_ * (2.0 * status_.interval + kLatest);
   std::size_t count = under_way();
-  std::size_t in_time = 0;
+  std::size_t result = 0;
   for (const Sent* last = &sent(last_id_); count > 0; last = &sent(last->before)) {
     if (last->tag.spindle_speed != 0.0) return 0;
     const Sent& before = sent(last->before);
     if (before.ordinal == last->ordinal) continue;
-    if (before.end_time >= reached) ++in_time;
+    const bool in_time = !stops && before.end_time >= reached;
+    if (in_time || last->id > cut_.board_end) ++result;
     --count;
   }
-  return in_time;
+  return result;
 }
 
 void MotionFeed::begin_cut(std::size_t count) {
   std::uint32_t id = last_id_;
   const std::uint64_t kept = sent(id).ordinal - count;
   std::size_t told = 0;
-  for (; sent(id).ordinal > kept; id = sent(id).before) ++told;
+  for (; sent(id).ordinal > kept || id > cut_.board_end; id = sent(id).before) ++told;
   link_.begin_cut(id);
-  cut_ = {link_.pushed(), id, last_id_, CutAnswer::pending};
+  cut_ = {link_.pushed(), id, last_id_, CutAnswer::pending, cut_.board_end};
   go_on_behind(id);
   if (cut_listener_) cut_listener_(told);
+  // Of settling the board may have had a part only: the rest begins anew, and has been checked
+  // once.
+  if (sent(id).end_velocity == Position{}) static_cast<void>(settle());
 }
 
 CutAnswer MotionFeed::cut_answer() {
@@ -236,6 +240,9 @@ CutAnswer MotionFeed::cut_answer() {
   constexpr double kMostPatience = 16.0;
   patience_ = late ? std::min(2.0 * patience_, kMostPatience) : 1.0;
   if (late) revoke_cut();
+  // What was sent with a late cut has higher numbers, and the board dropped it.
+  cut_.board_end =
+      late ? std::min(cut_.board_end, std::max(status_.given_before_cut, cut_.kept_id)) : kAnyId;
   return cut_.answer;
 }
 

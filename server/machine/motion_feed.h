@@ -10,6 +10,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -54,7 +55,8 @@ class MotionFeed {
   [[nodiscard]] std::size_t under_way() const;
   /// Those of them that a cut would replace in time: all behind the first one that ends later than
   /// a cut needs to reach the board. None while the path follows the spindle, or the board stops
-  /// along it. Reads the newest status.
+  /// along it. Behind a late cut these are in any case the segments that the board never had: the
+  /// link has dropped them. Reads the newest status.
   [[nodiscard]] std::size_t replaceable();
   /// The last `count` segments are void, commanded() is where the one before them ends, and what is
   /// emitted until commit_cut() travels with the cut. Not while an answer is pending.
@@ -129,6 +131,8 @@ class MotionFeed {
   void set_position(Axis axis, double position);
 
  private:
+  static constexpr std::uint32_t kAnyId = std::numeric_limits<std::uint32_t>::max();
+
   struct Sent {
     std::uint32_t id = 0;
     std::uint32_t before = 0;   // id of the segment from whose end it goes on
@@ -154,6 +158,7 @@ class MotionFeed {
     std::uint32_t kept_id = 0;
     std::uint32_t last_id = 0;  // before it
     CutAnswer answer = CutAnswer::none;
+    std::uint32_t board_end = kAnyId;  // behind late ones: the board has the path up to here
   };
 
   [[nodiscard]] const Sent& sent(std::uint32_t id) const { return history_[id % kHistory]; }

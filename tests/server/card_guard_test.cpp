@@ -169,6 +169,36 @@ TEST_CASE("A rule that is true already when the board is connected is told", "[C
   CHECK(rig.times_told() == 1);
 }
 
+TEST_CASE("A hold while a guard brakes along more segments than the board holds starves no path",
+          "[CFG-16][LNK-5][LNK-8][safety]") {
+  // At 30 mm/s^2 braking from 50 mm/s takes 1.67 s and 0.83 s of path time, the board's 256
+  // segments of 2.5 ms last for 0.64 s, and 2 s are sent.
+  for (const int ms : {-6, -4, -2, 0, 2, 5, 20, 200}) {
+    CAPTURE(ms);
+    GuardedRig rig(config::GuardAction::smooth_stop, false,
+                   {"AXIS_X.acceleration=30", "AXIS_X.velocity=50", "TRAJECTORY.fifoTime=2",
+                    "TRAJECTORY.interpolationTime=0.0025"},
+                   0.001);
+    rig.simulation.virtual_controller().trouble().delay = 0.004;
+    REQUIRE(rig.reset());
+    rig.start("G1 X400 F3000\nX0\n");
+    REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 100.0; }, 10.0));
+    const double guard_at = rig.simulation.time() + 0.02;
+    bool acted = false;
+    while (rig.simulation.time() < guard_at + 2.0) {
+      if (rig.simulation.time() >= guard_at) rig.set_input(true);
+      if (!std::exchange(acted, acted || rig.simulation.time() >= guard_at + 0.001 * ms) && acted)
+        rig.machine.pause([](const Result<void>&) {});
+      rig.simulation.cycle();
+    }
+    CHECK(rig.state() == State::error);
+    CHECK(rig.last_error().code == ErrorCode::guard_stop);
+    CHECK(rig.simulation.virtual_machine().lost_steps(Axis::X) == 0);
+    CHECK(rig.simulation.virtual_machine().physical_position(Axis::X) ==
+          Approx(rig.position()[Axis::X]).margin(0.01));
+  }
+}
+
 TEST_CASE(
     "Whatever the operator does while a guard brakes, at any millisecond of it: the machine "
     "comes to its stop along the path",

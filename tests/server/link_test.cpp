@@ -121,6 +121,35 @@ TEST_CASE(
   CHECK(f.link.status().items_done == f.link.pushed());
 }
 
+TEST_CASE("Behind a segment that a cut has dropped the board gets none of the old path",
+          "[LNK-8][JOB-8][safety]") {
+  Fixture f;
+  f.recording.room = 2;
+  f.push_segments(1, 3);
+  REQUIRE(f.link.push(ChangeOutputs{{.flood = true}}));
+  f.push_segments(4, 5);
+  REQUIRE(f.link.begin_cut(1));
+  f.push_segments(101, 101);
+  f.link.commit_cut();
+  // 3 is dropped; what it waits behind then keeps 4 for the next cycle, in which there is room.
+  f.recording.takes_changes = false;
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls == Calls{"segment 1", "segment 2"});
+  f.recording.takes_changes = true;
+  f.recording.room = 10;
+  f.link.cycle(0.002);
+  CHECK(f.recording.calls ==
+        Calls{"segment 1", "segment 2", "flood on", "cut behind 1", "segment 101"});
+  CHECK(f.link.status().given_before_cut == 2);
+  // The next cut is another: what it replaces reaches the board again.
+  f.push_segments(102, 103);
+  REQUIRE(f.link.begin_cut(101));
+  f.link.commit_cut();
+  f.link.cycle(0.004);
+  CHECK(f.recording.calls.back() == "cut behind 101");
+  CHECK(f.link.status().given_before_cut == 103);
+}
+
 TEST_CASE("Before it is committed a cut and what follows it wait, the old path goes on",
           "[LNK-8][JOB-8]") {
   Fixture f;

@@ -12,7 +12,8 @@ namespace cnc::server::test {
 /// board.
 struct Recording {
   std::vector<std::string> calls;
-  std::size_t room = 1000;  ///< segments that the board still takes
+  std::size_t room = 1000;    ///< segments that the board still takes
+  bool takes_changes = true;  ///< of outputs
   hal::ControllerStatus status;
 };
 
@@ -38,6 +39,7 @@ class RecordingController final : public hal::Controller {
     note(outputs.spindle_on ? "spindle on" : "spindle off");
   }
   bool change_outputs(const hal::OutputChange& change) override {
+    if (!recording_.takes_changes) return false;
     if (change.flood) note(*change.flood ? "flood on" : "flood off");
     return true;
   }
