@@ -20,29 +20,50 @@ struct CardInputs {
   std::size_t first;
 };
 
+/// A rule that has acted, and how often no status explains it.
+struct Unseen {
+  [[nodiscard]] std::uint32_t inputs_for_a_moment(std::uint32_t inputs) const {
+    return (inputs & ~changed) | (becomes & changed);
+  }
+
+  CardInputs card;
+  std::uint32_t changed;  // inputs, bits
+  std::uint32_t becomes;
+  int times;
+};
+
+/// An action begins where the rule becomes true. One that is true in the end was not for a moment:
+/// its lowest input was the contrary. One that is not was so for a moment.
+Unseen unseen_of(std::size_t i, const config::GuardRule& rule, const ControllerStatus& before,
+                 const ControllerStatus& after) {
+  const CardInputs card(i);
+  const auto participants = static_cast<std::uint32_t>(rule.participants) & kCardMask;
+  const auto compare = static_cast<std::uint32_t>(rule.compare);
+  const auto is_true = [&](const ControllerStatus& status) {
+    return participants != 0 && ((card.of(status.inputs.ports) ^ compare) & participants) == 0;
+  };
+  const bool now_true = is_true(after);
+  const int acted = static_cast<std::uint8_t>(after.guard_counts[i] - before.guard_counts[i]);
+  const int explained = acted > 0 && now_true && !is_true(before) ? 1 : 0;
+  return {.card = card,
+          .changed = now_true ? participants & (~participants + 1) : participants,
+          .becomes = now_true ? ~compare : compare,
+          .times = acted - explained};
+}
+
 }  // namespace
 
-Ports flickered(const ControllerStatus& before, const ControllerStatus& after,
-                const std::array<config::GuardRule, config::kGuardRules>& rules) {
-  Ports ports = after.inputs.ports;
+std::vector<Ports> flickers(const ControllerStatus& before, const ControllerStatus& after,
+                            const std::array<config::GuardRule, config::kGuardRules>& rules) {
+  std::vector<Ports> moments;
   for (std::size_t i = 0; i < rules.size(); ++i) {
-    if (before.guard_counts[i] == after.guard_counts[i]) continue;
-    const auto participants = static_cast<std::uint32_t>(rules[i].participants) & kCardMask;
-    const auto compare = static_cast<std::uint32_t>(rules[i].compare);
-    const auto is_true = [&](std::uint32_t inputs) {
-      return participants != 0 && ((inputs ^ compare) & participants) == 0;
-    };
-    const CardInputs card(i);
-    const bool was_true = is_true(card.of(before.inputs.ports));
-    const bool now_true = is_true(card.of(after.inputs.ports));
-    const std::uint32_t inputs = card.of(ports);
-    if (now_true && was_true) {  // it was not for a moment
-      card.put(inputs ^ (participants & (~participants + 1)), ports);
-    } else if (!now_true) {  // it was for a moment
-      card.put((inputs & ~participants) | (compare & participants), ports);
+    const Unseen rule = unseen_of(i, rules[i], before, after);
+    for (std::size_t k = 0; k < static_cast<std::size_t>(rule.times); ++k) {
+      if (k == moments.size()) moments.push_back(after.inputs.ports);
+      rule.card.put(rule.inputs_for_a_moment(rule.card.of(moments[k])), moments[k]);
     }
   }
-  return ports;
+  return moments;
 }
 
 }  // namespace cnc::hal::trace

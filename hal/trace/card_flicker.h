@@ -3,15 +3,17 @@
 #pragma once
 
 #include <array>
+#include <vector>
 
 #include "config/guard_rule.h"
 #include "hal/controller.h"
 
 namespace cnc::hal::trace {
 
-/// What the inputs were for a moment between two statuses of a session, so that the rules acted
-/// that `after` counts. Those of `after` if they explain it.
-[[nodiscard]] Ports flickered(const ControllerStatus& before, const ControllerStatus& after,
-                              const std::array<config::GuardRule, config::kGuardRules>& rules);
+/// What the inputs were, one after the other and each for a moment, between two statuses of a
+/// session: those of `after` and these in turn make the rules act as often as `after` counts.
+[[nodiscard]] std::vector<Ports> flickers(
+    const ControllerStatus& before, const ControllerStatus& after,
+    const std::array<config::GuardRule, config::kGuardRules>& rules);
 
 }  // namespace cnc::hal::trace

@@ -16,9 +16,11 @@ namespace cnc::hal::trace {
 namespace {
 
 constexpr double kCycle = kReplayCycle;
-constexpr double kLongestPiece = 0.1;  // s, of a run-up
-constexpr double kPulse = 0.0002;      // s, of an input: two of the board's slices
-constexpr double kClockStart = 1.0;    // s, of the replay: a port's clock begins above 0
+/// The board looks at its inputs in each.
+constexpr double kSlice =
+    double{cpu5::firmware::kSliceTicks} / cpu5::firmware::kTicksPerSecond;  // s
+constexpr double kPulse = 2.0 * kSlice;                                     // of an input
+constexpr double kClockStart = 1.0;  // s, of the replay: a port's clock begins above 0
 
 /// Without travel: switches are driven as recorded, and nothing stands in the way.
 config::MachineConfig without_travel(config::MachineConfig config) {
@@ -76,6 +78,8 @@ class Player {
         config_(config),
         beginning_(beginning),
         compared_(events[beginning.event].step),
+        compared_at_(events[beginning.event].time),
+        executed_before_(trace.steps[compared_].exchange.status.executing_id),
         controller_(
             sim::make_virtual_controller(without_travel(config), {.driver = trace.about.driver})) {}
 
@@ -137,7 +141,7 @@ class Player {
     const Position start = first.position - first.velocity * (0.5 * time);
     if (auto set = set_scene(end - time, start); !set) return set;
     exchange(end - time - kCycle);
-    const auto pieces = static_cast<std::uint32_t>(std::ceil(time / kLongestPiece));
+    const std::uint32_t pieces = beginning_.pieces;
     for (std::uint32_t piece = 1; piece <= pieces; ++piece) {
       const double part = static_cast<double>(piece) / pieces;
       Ask{*controller_}(Segment{.id = first.id - pieces + piece,
@@ -160,9 +164,10 @@ class Player {
       case Event::Kind::pulse:
         return give_pulse(event.time);
       case Event::Kind::card_pulse:
-        return give_card_pulse(event);
+        return give_card_pulses(event);
       case Event::Kind::reset:
         pass_time(event.time);
+        executed_before_ = 0;
         return controller_->board().reset();
       case Event::Kind::cable_in:
         controller_->trouble().cable_out = false;
@@ -195,24 +200,33 @@ class Player {
     controller_->machine().press_estop(false);
   }
 
-  /// Too short for a status to show it, too.
-  void give_card_pulse(const Event& event) {
+  /// Too short for a status to show them, too: they are over before the next.
+  void give_card_pulses(const Event& event) {
     const ControllerStatus& before = trace_.steps[compared_].exchange.status;
     const ControllerStatus& after = trace_.steps[event.step].exchange.status;
-    const Ports ports = flickered(before, after, config_.guards);
-    if (ports == after.inputs.ports) return;
+    const std::vector<Ports> moments = flickers(before, after, config_.guards);
+    if (moments.empty()) return;
     pass_time(event.time);
-    drive_ports(controller_->machine(), ports);
-    pass_time(event.time + kPulse);
-    drive_ports(controller_->machine(), after.inputs.ports);
+    const double end = compared_at_ + (after.time - before.time);
+    const double room = (end - clock_) / (2.0 * static_cast<double>(moments.size()));
+    const double width = std::max(std::min(kPulse, room), kSlice);
+    for (const Ports& ports : moments) {
+      if (clock_ + width >= end) return;
+      drive_ports(controller_->machine(), ports);
+      pass_time(clock_ + width);
+      drive_ports(controller_->machine(), after.inputs.ports);
+      pass_time(clock_ + width);
+    }
   }
 
   void see(const Event& event, const ControllerStatus& status) {
     compared_ = event.step;
+    compared_at_ = event.time;
     if (event.time < compare_from_) return;
+    const std::uint32_t executing = status.executing_id;
     seen_.push_back({.step = event.step,
                      .faults = status.faults,
-                     .executing_id = status.executing_id,
+                     .executing_id = executing != 0 ? executing : executed_before_,
                      .path_stop = status.path_stop,
                      .cut_late = status.cut_late,
                      .moving = status.moving,
@@ -226,6 +240,8 @@ class Player {
   const config::MachineConfig& config_;
   const Beginning& beginning_;
   std::size_t compared_;  // the last step that was, or the one to begin with
+  double compared_at_;
+  std::uint32_t executed_before_;  // by the recorded board; the last until this one executes any
   std::unique_ptr<sim::VirtualController> controller_;
   std::int32_t wheel_ = 0;
   double origin_ = 0.0;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kShortestRunUp = 0.01;  // s
 constexpr double kLongestRunUp = 10.0;   // s
+constexpr double kLongestPiece = 0.1;    // s, of a run-up
 
 /// That a virtual board has in its FIFO with the one in execution.
 constexpr std::size_t kMostSegments = cpu5::firmware::kFifoCapacity + 1;
@@ -52,7 +53,7 @@ bool is_quiet(const ControllerStatus& status) {
       status.probe_latch.armed || std::ranges::any_of(status.home_latch.values, &Latch::armed);
   const bool faulty = status.faults != 0 && (status.faults != static_cast<Faults>(Fault::estop) ||
                                              !status.inputs.estop());
-  return !latched && !faulty && status.path_stop == PathStop::none;
+  return !latched && !faulty && !status.cut_late && status.path_stop == PathStop::none;
 }
 
 /// To the end of `segment`, of which `rest` is left.
@@ -81,7 +82,11 @@ std::optional<Beginning> find_beginning(const Trace& trace, std::span<const Even
     if (std::ranges::any_of(path, follows_spindle)) continue;
     const double rest = (1.0 - status.executing_phase) * path.front().duration;
     const double run_up = run_up_to(path.front(), rest, config);
-    if (run_up <= kLongestRunUp) return Beginning{i, {path.begin(), path.end()}, rest, run_up};
+    if (run_up > kLongestRunUp) continue;
+    const auto pieces = static_cast<std::uint32_t>(std::ceil(run_up / kLongestPiece));
+    // They are numbered up to the first's number, and no segment has the number 0.
+    if (pieces > path.front().id) continue;
+    return Beginning{i, {path.begin(), path.end()}, rest, run_up, pieces};
   }
   return std::nullopt;
 }

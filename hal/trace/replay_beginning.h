@@ -17,6 +17,7 @@ struct Beginning {
   std::vector<Segment> path{};  ///< the segment in execution and those behind it; empty at rest
   double rest = 0.0;            ///< s of the first that were still to be made
   double run_up = 0.0;          ///< s from a standstill to the end of the first
+  std::uint32_t pieces = 0;     ///< segments of the run-up; the last is the first's, by its number
 };
 
 /// The first standstill with an empty FIFO, or segment in execution behind which all is known.

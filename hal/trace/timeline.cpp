@@ -21,7 +21,8 @@ constexpr std::size_t kLongestWait = 200;
 /// Segments that a board can make between two answers: what it has, and what is on its way.
 constexpr std::uint32_t kMostBetween = 2 * cpu5::firmware::kFifoCapacity;
 /// From an input that a board sees to the motion that shows it (core.h).
-constexpr double kPlannedAhead = 0.00025;  // s
+constexpr double kPlannedAhead =
+    2.5 * cpu5::firmware::kSliceTicks / cpu5::firmware::kTicksPerSecond;  // s
 
 class Timeline {
  public:
@@ -185,7 +186,7 @@ class Timeline {
         return std::min(from + std::max(*driven, 0.0), to);
     }
     if (const auto stopping = time_of_guard_stop(status(before), status(after)))
-      return std::clamp(to - *stopping, from, to);
+      return std::min(std::max(to - *stopping, from), to);
     if (const auto part = part_at_latch(status(before), status(after)))
       return from + std::clamp(*part, 0.0, 1.0) * (to - from);
     return 0.5 * (from + to);
