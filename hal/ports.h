@@ -27,6 +27,13 @@ using Ports = std::bitset<kAuxCount + kCardCount * kCardPorts>;
   return card == 0 ? port - 1 : kAuxCount + (card - 1) * kCardPorts + port - 1;
 }
 
+/// The number of a port's bit.
+[[nodiscard]] constexpr int port_number(std::size_t bit) {
+  if (bit < kAuxCount) return static_cast<int>(bit) + 1;
+  const std::size_t of_cards = bit - kAuxCount;
+  return static_cast<int>(100 * (of_cards / kCardPorts + 1) + of_cards % kCardPorts + 1);
+}
+
 /// PWM1 … PWM8 and analog inputs 1 … 8, in arrays from 0.
 inline constexpr std::size_t kPwmCount = 8;
 inline constexpr std::size_t kAnalogCount = 8;

@@ -1,17 +1,19 @@
 #include "hal/trace/card_flicker.h"
 
+#include "hal/cpu5/driver/board_values.h"
+
 namespace cnc::hal::trace {
 namespace {
 
-constexpr std::uint32_t kCardMask = (1U << kCardPorts) - 1;
+using cpu5::firmware::GuardRule;
 
 /// The eight inputs of a rule's card, among all ports.
 struct CardInputs {
   explicit CardInputs(std::size_t rule)
       : first(kAuxCount + rule / config::kRulesPerCard * kCardPorts) {}
 
-  [[nodiscard]] std::uint32_t of(const Ports& ports) const {
-    return static_cast<std::uint32_t>(ports.to_ullong() >> first) & kCardMask;
+  [[nodiscard]] std::uint8_t of(const Ports& ports) const {
+    return static_cast<std::uint8_t>(ports.to_ullong() >> first);
   }
   void put(std::uint32_t inputs, Ports& ports) const {
     for (std::size_t i = 0; i < kCardPorts; ++i) ports[first + i] = (inputs >> i & 1U) != 0;
@@ -20,8 +22,8 @@ struct CardInputs {
   std::size_t first;
 };
 
-/// A rule that has acted, and how often no status explains it.
-struct Unseen {
+/// What the inputs of a rule were for a moment, and how often, for all of its actions.
+struct Moments {
   [[nodiscard]] std::uint32_t inputs_for_a_moment(std::uint32_t inputs) const {
     return (inputs & ~changed) | (becomes & changed);
   }
@@ -32,19 +34,17 @@ struct Unseen {
   int times;
 };
 
-/// An action begins where the rule becomes true. One that is true in the end was not for a moment:
-/// its lowest input was the contrary. One that is not was so for a moment.
-Unseen unseen_of(std::size_t i, const config::GuardRule& rule, const ControllerStatus& before,
-                 const ControllerStatus& after) {
+/// A rule acts when it becomes true. One that is true in the end was not for moments between: its
+/// lowest input was the contrary. One that is not was true for moments.
+Moments moments_of(std::size_t i, const GuardRule& rule, const ControllerStatus& before,
+                   const ControllerStatus& after) {
   const CardInputs card(i);
-  const auto participants = static_cast<std::uint32_t>(rule.participants) & kCardMask;
-  const auto compare = static_cast<std::uint32_t>(rule.compare);
-  const auto is_true = [&](const ControllerStatus& status) {
-    return participants != 0 && ((card.of(status.inputs.ports) ^ compare) & participants) == 0;
-  };
-  const bool now_true = is_true(after);
+  const std::uint32_t participants = rule.participants;
+  const std::uint32_t compare = rule.compare;
+  const bool was_true = rule.is_true(card.of(before.inputs.ports));
+  const bool now_true = rule.is_true(card.of(after.inputs.ports));
   const int acted = static_cast<std::uint8_t>(after.guard_counts[i] - before.guard_counts[i]);
-  const int explained = acted > 0 && now_true && !is_true(before) ? 1 : 0;
+  const int explained = acted > 0 && now_true && !was_true ? 1 : 0;
   return {.card = card,
           .changed = now_true ? participants & (~participants + 1) : participants,
           .becomes = now_true ? ~compare : compare,
@@ -55,9 +55,10 @@ Unseen unseen_of(std::size_t i, const config::GuardRule& rule, const ControllerS
 
 std::vector<Ports> flickers(const ControllerStatus& before, const ControllerStatus& after,
                             const std::array<config::GuardRule, config::kGuardRules>& rules) {
+  const auto board_rules = cpu5::to_board(rules);
   std::vector<Ports> moments;
-  for (std::size_t i = 0; i < rules.size(); ++i) {
-    const Unseen rule = unseen_of(i, rules[i], before, after);
+  for (std::size_t i = 0; i < board_rules.size(); ++i) {
+    const Moments rule = moments_of(i, board_rules[i], before, after);
     for (std::size_t k = 0; k < static_cast<std::size_t>(rule.times); ++k) {
       if (k == moments.size()) moments.push_back(after.inputs.ports);
       rule.card.put(rule.inputs_for_a_moment(rule.card.of(moments[k])), moments[k]);

@@ -32,13 +32,6 @@ constexpr NamedOutput kNamedOutputs[] = {
     {"flood", &Outputs::flood},
 };
 
-/// As M54 and M56 number it (hal/ports.h).
-std::size_t port_number(std::size_t bit) {
-  if (bit < kAuxCount) return bit + 1;
-  const std::size_t of_cards = bit - kAuxCount;
-  return 100 * (of_cards / kCardPorts + 1) + of_cards % kCardPorts + 1;
-}
-
 class Judge {
  public:
   Judge(const Trace& trace, std::span<const Seen> seen, const config::MachineConfig& config,

@@ -36,6 +36,9 @@ TEST_CASE("A port's number names its bit as in M54: AUX, then the cards", "[hal]
   for (const int none : {-101, -1, 0, 17, 51, 100, 109, 200, 309, 401, 2'000'000'001}) {
     CHECK_FALSE(port_bit(none));
   }
+  CHECK(port_number(15) == 16);
+  CHECK(port_number(31) == 208);  // card 2 port 8
+  for (std::size_t bit = 0; bit < Ports{}.size(); ++bit) CHECK(port_bit(port_number(bit)) == bit);
 }
 
 TEST_CASE("Every output reaches the machine and comes back in the status", "[hal][GCO-10][SPN-1]") {

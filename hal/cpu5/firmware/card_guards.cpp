@@ -1,13 +1,6 @@
 #include "hal/cpu5/firmware/card_guards.h"
 
 namespace cnc::hal::cpu5::firmware {
-namespace {
-
-bool is_true(const GuardRule& rule, std::uint8_t inputs) {
-  return rule.participants != 0 && ((inputs ^ rule.compare) & rule.participants) == 0;
-}
-
-}  // namespace
 
 void CardGuards::set_rules(const PerGuardRule<GuardRule>& rules) {
   rules_ = rules;
@@ -25,7 +18,7 @@ GuardAction CardGuards::look(PortBits ports) {
   for (std::size_t i = 0; i < kGuardRules; ++i) {
     const std::size_t first_port = kFirstCardPort + i / kRulesPerCard * kCardInputs;
     const GuardRule& rule = rules_[i];
-    if (!is_true(rule, static_cast<std::uint8_t>(ports >> first_port))) continue;
+    if (!rule.is_true(static_cast<std::uint8_t>(ports >> first_port))) continue;
     const std::uint32_t bit = std::uint32_t{1} << i;
     true_now |= bit;
     if ((true_before_ & bit) != 0 || rule.action == GuardAction::nothing) continue;

@@ -27,6 +27,10 @@ struct GuardRule {
   std::uint8_t compare = 0;       ///< what they have to be
   GuardAction action = GuardAction::nothing;
 
+  [[nodiscard]] constexpr bool is_true(std::uint8_t inputs) const {
+    return participants != 0 && ((inputs ^ compare) & participants) == 0;
+  }
+
   friend bool operator==(const GuardRule&, const GuardRule&) = default;
 };
 
