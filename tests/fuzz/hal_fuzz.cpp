@@ -121,7 +121,10 @@ class Run {
     const auto begun = static_cast<std::uint8_t>(present.alarm & ~alarm_noticed_);
     require(begun == 0 || (faults & kStepLoss) != 0);
     alarm_noticed_ = present.alarm;
-    for (std::size_t i = 0; i < kGuardRules; ++i) require(!is_true(i) || guard_acted_[i]);
+    for (std::size_t i = 0; i < kGuardRules; ++i) {
+      require(!is_true(i) || guard_acted_[i]);
+      guard_acted_[i] = guard_acted_[i] && is_true(i);
+    }
   }
   [[nodiscard]] bool is_true(std::size_t i) const {
     const GuardRule& rule = setup_.guards[i];
@@ -139,7 +142,7 @@ class Run {
   Setup setup_{};
   FrameMaker frames_;
   std::unique_ptr<HostFrame> frame_ = std::make_unique<HostFrame>();
-  PerGuardRule<bool> guard_acted_{};
+  PerGuardRule<bool> guard_acted_{};  // since it was seen to be untrue
   PerGuardRule<std::uint8_t> guard_counts_{};
   std::uint8_t alarm_noticed_ = 0;  // at the last moments, or may have been
   bool was_faulty_ = false;

@@ -37,11 +37,14 @@ class Run {
   }
 
  private:
+  /// The way at the session's highest speed in that time; none behind a fault. After an index pulse
+  /// up to one slice may be owed, and rounding to whole steps is worth one more.
   void pass(Ticks ticks) {
+    const bool faulty_before = core_.status().faults != 0;
     core_.advance(ticks);
-    const std::int64_t most = ((ticks + 4 * kSliceTicks) * kTopVelocity >> kFractionBits) + 2;
+    const std::int64_t most = ((ticks + kSliceTicks) * max_velocity_ >> kFractionBits) + 2;
     for (std::int64_t& pulses : pins_.pulses) {
-      require(pulses <= most);
+      require(pulses <= (faulty_before ? 0 : most));
       pulses = 0;
     }
     if (bytes_.below(64) == 63) core_.advance(2 * kTicksPerSecond);  // a host that was away
@@ -64,7 +67,27 @@ class Run {
     put_body(type, packet.body());
     for (auto flaws = bytes_.byte(); flaws > 250; --flaws)
       memory[2U + bytes_.next<std::uint16_t>() % 256U] = bytes_.byte();
-    read(link_.answer(packet.finish(), answer_));
+    const bool was_in_session = link_.in_session();
+    const auto sent = packet.finish();
+    const auto answer = link_.answer(sent, answer_);
+    read(answer);
+    if (is_of(wire::PacketType::welcome, answer)) note_setup(sent, was_in_session);
+  }
+
+  static bool is_of(wire::PacketType type, std::span<const std::uint8_t> packet) {
+    const auto opened = wire::open_packet(packet);
+    return opened && opened->header.type == type;
+  }
+
+  /// A greeting that comes again is welcomed again and sets nothing up.
+  void note_setup(std::span<const std::uint8_t> sent, bool was_in_session) {
+    auto hello = wire::open_packet(sent);
+    require(hello.has_value());
+    if (was_in_session && hello->header.session == welcomed_) return;
+    Setup setup;
+    require(wire::get_setup(hello->body, setup));
+    max_velocity_ = setup.max_velocity;
+    welcomed_ = hello->header.session;
   }
 
   void put_body(wire::PacketType type, wire::ByteWriter& body) {
@@ -120,8 +143,10 @@ class Run {
   Core core_{pins_};
   BoardLink link_{core_, {}};
   std::vector<std::uint8_t> answer_ = std::vector<std::uint8_t>(wire::kMaxPacket);
-  Status status_{};  // as last heard
+  Status status_{};                // as last heard
+  StepVelocity max_velocity_ = 0;  // of the session
   std::uint32_t session_ = 0;
+  std::uint32_t welcomed_ = 0;
   std::uint32_t executed_ = 0;
   std::uint32_t stops_ = 0;
   FrameMaker frames_;
