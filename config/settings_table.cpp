@@ -88,7 +88,7 @@ constexpr std::array kGeneralRows{
             .help = "Unit of every length in this file and of the machine's screens; a program chooses its own with G20 and G21.",
             .access = kOfMachine<&MachineConfig::unit>},
     Setting{.section = "CONNECTION", .key = "board", .type = text, .max = 200,
-            .help = "The controller board: virtual, auto (asks around), udp:172.22.2.100:5005 or serial:/dev/ttyACM0.",
+            .help = "The controller board: virtual, auto (asks around), udp:172.22.2.100:5005 or serial:/dev/ttyACM0; a line with wires may name its baud rate, serial:/dev/ttyUSB0@3000000. It runs at 2000000 otherwise, and auto asks at that rate only.",
             .access = kOf<&MachineConfig::connection, &ConnectionConfig::board>},
     Setting{.section = "CONNECTION", .key = "hostTimeout", .unit = second, .min = 0.02, .max = 10,
             .help = "A real board that has not heard the server for so long stops the machine along its path; what is left of fifoTime has to suffice for that.",

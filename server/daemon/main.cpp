@@ -235,7 +235,8 @@ int main(int argc, char** argv) {
       ->capture_default_str();
   app.add_option("--board", options.board,
                  "Controller board instead of the configured one: virtual (built in), auto, "
-                 "udp:HOST[:PORT] or serial:DEVICE");
+                 "udp:HOST[:PORT] or serial:DEVICE[@RATE]; RATE in baud, of a line with wires "
+                 "that does not run at 2000000 (auto asks at that rate only)");
   app.add_option("--scenario", options.scenario,
                  "How the virtual machine is built and what happens to it, docs/scenarios.md")
       ->check(CLI::ExistingFile);

@@ -189,14 +189,18 @@ TEST_CASE("A board in the place of one that died is found, and its counts are it
 }
 
 TEST_CASE("An address that is none says what one looks like", "[hal][LNK-1]") {
-  for (const char* wrong : {"", "com3", "udp:host:0", "udp:host:99999", "udp:host:x",
-                            "serial:/dev/ttyUSB0@", "serial:/dev/ttyUSB0@115200",
-                            "serial:/dev/ttyUSB0@921600", "serial:/dev/ttyUSB0@2000000n"}) {
+  for (const char* wrong :
+       {"", "com3", "udp:host:0", "udp:host:99999", "udp:host:x", "serial:/dev/ttyUSB0@",
+        "serial:/dev/ttyUSB0@115200", "serial:/dev/ttyUSB0@921600", "serial:/dev/ttyUSB0@2000000n",
+        "serial:/dev/ttyUSB0@1999999", "serial:/dev/ttyUSB0@2500000"}) {
     CAPTURE(wrong);
     const auto channel = cpu5::make_channel(wrong);
     REQUIRE_FALSE(channel);
     CHECK(channel.error().code == ErrorCode::board_address_wrong);
   }
+  CHECK(cpu5::make_channel("serial:/dev/ttyUSB0@2500000")
+            .error()
+            .message.find("2000000, 3000000, 3500000, 4000000") != std::string::npos);
   // What is behind the colons of a name is no rate; what is behind the @ is no name.
   const auto by_path = cpu5::make_channel("serial:/dev/serial/by-path/usb-0:1:1.0@3000000");
   REQUIRE(by_path);

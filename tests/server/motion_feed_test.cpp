@@ -122,3 +122,57 @@ TEST_CASE("A quick stop forgets what the board had of a path", "[LNK-8][safety]"
   path.feed.quick_stop();
   CHECK(path.feed.replaceable() == 0);
 }
+
+TEST_CASE("Where the board has only a part of what brings the motors to rest, the rest begins anew",
+          "[LNK-8][MOT-5][safety]") {
+  config::MachineConfig config = hal::sim::small_machine();
+  config.axes[Axis::X].backlash = 0.1;
+  Recording recording;
+  Link link{std::make_unique<RecordingController>(recording)};
+  MotionFeed feed{link, config};
+  std::vector<motion::Setpoint> motors;
+  feed.set_motor_listener([&](const motion::Setpoint& setpoint) { motors.push_back(setpoint); });
+  const auto go = [&](double x) {
+    motion::Setpoint setpoint;
+    setpoint.duration = 0.005;
+    setpoint.position = feed.commanded();
+    setpoint.position[Axis::X] = x;
+    REQUIRE(feed.emit(setpoint));
+  };
+  const auto cut = [&](bool late) {
+    recording.status.cut_late = late;
+    feed.begin_cut(feed.replaceable());
+    feed.commit_cut();
+    for (int i = 0; i < 2; ++i) {
+      link.cycle(0.0);
+      feed.update();
+    }
+    return feed.cut_answer();
+  };
+  // Up and back again: the play of 0.1 mm takes longer than the way.
+  go(0.001);
+  go(0.0);
+  const std::uint32_t settled = feed.last_id();
+  const motion::Setpoint rest = motors.back();
+  const std::uint32_t board_has = settled - 1;
+  REQUIRE(board_has > 2);
+  REQUIRE(motors[board_has - 1].velocity[Axis::X] != 0.0);
+  go(-0.001);
+  recording.room = board_has;
+  recording.status.moving = true;
+  recording.status.executing_id = 1;
+  link.cycle(0.0);
+  feed.update();
+  REQUIRE(cut(true) == CutAnswer::late);
+  recording.status.path_stop = hal::PathStop::stopping;
+  link.cycle(0.0);
+  recording.room = 10;
+  motors.clear();
+  const std::size_t calls = recording.calls.size();
+  REQUIRE(cut(false) == CutAnswer::taken);
+  CHECK(recording.calls[calls] == fmt::format("cut behind {}", board_has));
+  REQUIRE(motors.size() == 1);
+  CHECK(motors.back().position == rest.position);
+  CHECK(motors.back().velocity == rest.velocity);
+  CHECK(recording.calls.size() == calls + 1 + 1);
+}

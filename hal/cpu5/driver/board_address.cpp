@@ -112,11 +112,13 @@ Result<std::unique_ptr<PacketChannel>> make_serial_channel(std::string_view rest
     const auto text = rest.substr(at + 1);
     const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), rate);
     if (wrong != std::errc{} || end != text.data() + text.size() ||
-        rate < SerialChannel::kLeastRate) {
-      return fail(ErrorCode::board_address_wrong,
-                  fmt::format("\"{}\" is no baud rate for a board; a serial line has to pass at "
-                              "least {} baud, or the board's answers come late. USB needs no rate.",
-                              text, SerialChannel::kLeastRate));
+        std::ranges::find(SerialChannel::kRates, rate) == SerialChannel::kRates.end()) {
+      return fail(
+          ErrorCode::board_address_wrong,
+          fmt::format(
+              "\"{}\" is no baud rate for a board: a serial line with wires runs at "
+              "one of {}; on a slower one the board's answers come late. USB needs no rate.",
+              text, fmt::join(SerialChannel::kRates, ", ")));
     }
   }
   return std::make_unique<SerialChannel>(std::string(rest.substr(0, at)), rate);
@@ -157,18 +159,20 @@ Result<std::unique_ptr<PacketChannel>> make_channel(std::string_view address) {
   if (address.starts_with(kUdp)) return make_udp_channel(address.substr(kUdp.size()));
   if (address.starts_with(kSerial)) return make_serial_channel(address.substr(kSerial.size()));
   if (address != "auto") {
-    return fail(ErrorCode::board_address_wrong,
-                fmt::format("\"{}\" is no address of a board: it has to be auto, udp:HOST:PORT or "
-                            "serial:/dev/NAME, with @RATE for a line with wires.",
-                            address));
+    return fail(
+        ErrorCode::board_address_wrong,
+        fmt::format("\"{}\" is no address of a board: it has to be auto, udp:HOST:PORT or "
+                    "serial:/dev/NAME, with @RATE behind it for a line with wires that does "
+                    "not run at {} baud.",
+                    address, SerialChannel::kUsualRate));
   }
   const auto boards = find_boards();
   if (boards.size() == 1) return make_channel(boards.front().address);
   if (boards.empty()) {
     return fail(ErrorCode::board_silent,
                 fmt::format("No controller board was found: none answers at {}, on the networks of "
-                            "this computer, or on the serial lines {}.",
-                            kBoardAddress, serial_lines()));
+                            "this computer, or on the serial lines {} at {} baud.",
+                            kBoardAddress, serial_lines(), SerialChannel::kUsualRate));
   }
   std::vector<std::string> addresses;
   for (const FoundBoard& board : boards) addresses.push_back(board.address);

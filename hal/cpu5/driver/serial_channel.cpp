@@ -5,11 +5,17 @@
 #include <fmt/core.h>
 #include <unistd.h>
 
+#include "hal/cpu5/wire/messages.h"
+
 namespace cnc::hal::cpu5 {
 
 using boost::asio::serial_port;
 using boost::asio::serial_port_base;
 using boost::system::error_code;
+
+// A byte takes 10 bits on the line.
+static_assert(SerialChannel::kRates.front() >=
+              500 * 10 * wire::cobs_size(wire::kHeaderSize + wire::kMaxStatus + wire::kCrcSize));
 
 SerialChannel::SerialChannel(std::string device, unsigned rate)
     : device_(std::move(device)), rate_(rate), port_(context_) {}

@@ -14,12 +14,14 @@ namespace cnc::hal::cpu5 {
 
 class SerialChannel final : public PacketChannel {
  public:
-  static constexpr unsigned kUsualRate = 2'000'000;  // baud
-  /// What a line has to pass: a status of 350 bytes at 10 bits, 500 times a second. On a slower one
-  /// the answers would queue up, and with them all that waits for them: a feed hold, a cut.
-  static constexpr unsigned kLeastRate = 1'750'000;
+  /// Of a line with wires, in baud: those that Asio can set and that pass the largest status 500
+  /// times a second. On a slower line the answers would queue up, and with them all that waits for
+  /// them: a feed hold, a cut.
+  static constexpr std::array<unsigned, 4> kRates{2'000'000, 3'000'000, 3'500'000, 4'000'000};
+  static constexpr unsigned kUsualRate = kRates.front();
 
-  /// `device`: /dev/ttyACM0. The rate counts for a line with wires only, not for USB.
+  /// `device`: /dev/ttyACM0. The rate, one of kRates, counts for a line with wires only, not
+  /// for USB.
   explicit SerialChannel(std::string device, unsigned rate = kUsualRate);
 
   Result<void> open() override;
