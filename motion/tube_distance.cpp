@@ -33,8 +33,8 @@ void find_peaks(const NodeRow& __restrict at_node, const NodeRow& __restrict hal
     peak[i] = peak_between(at_node[i], half_way[i], at_node[i + 1]);
 }
 
-/// Where the program bends by more than the tolerance, it is an arc of many short spans, whose
-/// quarters are not known to this exactness, and the one parabola is kept.
+/// Where the program bends by more than the tolerance between two nodes, it is an arc, whose quarters
+/// are not known to this exactness: the one parabola is kept.
 void find_peaks_closely(const NodeRow& __restrict at_node, const NodeRow& __restrict quarter,
                         const NodeRow& __restrict half_way,
                         const NodeRow& __restrict three_quarters, const NodeRow& __restrict bow,
