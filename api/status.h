@@ -72,7 +72,7 @@ enum class SpindleDirection : std::uint8_t { off, clockwise, counterclockwise };
 /// good to bad.
 enum class PositionTrust : std::uint8_t {
   trusted,   ///< homed, or accepted by the operator, and stopped with ramps since
-  doubtful,  ///< the motor may have slipped: it was stopped without a ramp
+  doubtful,  ///< stopped without a ramp, or its drive was off: it may have moved
   unknown,   ///< not homed, or the board has lost its step counts
 };
 [[nodiscard]] std::string_view name_of(PositionTrust trust);

@@ -2,6 +2,7 @@
 
 #include <QHBoxLayout>
 #include <chrono>
+#include <utility>
 
 #include "gui/state_look.h"
 #include "gui/style.h"
@@ -25,13 +26,17 @@ CommandBar::CommandBar(QWidget* parent)
   auto* const row = new QHBoxLayout(this);
   row->setContentsMargins(0, 0, 0, 0);
   row->setSpacing(8);
-  for (CommandButton* const button : {reset_, home_, accept_, load_, rewind_, user_}) {
+  for (CommandButton* const button : {reset_, home_, load_, rewind_, user_, accept_}) {
     button->setFixedHeight(kHeight);
     row->addWidget(button);
   }
   reset_->setObjectName(QStringLiteral("reset"));
   home_->setObjectName(QStringLiteral("home_all"));
   accept_->setObjectName(QStringLiteral("accept_position"));
+  // The others must not move under a finger.
+  QSizePolicy place = accept_->sizePolicy();
+  place.setRetainSizeWhenHidden(true);
+  accept_->setSizePolicy(place);
   accept_->hide();
   load_->setObjectName(QStringLiteral("load"));
   rewind_->setObjectName(QStringLiteral("rewind"));
@@ -61,14 +66,16 @@ void CommandBar::show_status(const api::MachineStatus& status) {
   home_->set_awaited(next == api::Command::home);
 }
 
-/// Axes that were never homed stay out of it: no word can say where they are.
+/// Axes of which nothing is known stay out of it. A key that is held when something else comes into
+/// doubt has to be held anew.
 void CommandBar::show_doubt(const api::MachineStatus& status) {
-  doubtful_.clear();
+  std::vector<api::Axis> doubtful;
   for (const api::Axis axis : api::kAllAxes) {
-    if (status.trust[axis] == api::PositionTrust::doubtful) doubtful_.push_back(axis);
+    if (status.trust[axis] == api::PositionTrust::doubtful) doubtful.push_back(axis);
   }
-  accept_->setVisible(!doubtful_.empty());
-  if (!accept_->isEnabled() || doubtful_.empty()) hold_.stop();
+  accept_->setVisible(!doubtful.empty());
+  if (!accept_->isEnabled() || doubtful != doubtful_) hold_.stop();
+  doubtful_ = std::move(doubtful);
 }
 
 }  // namespace cnc::gui

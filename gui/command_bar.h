@@ -1,6 +1,6 @@
-// The bottom row: reset, home, load, rewind, and the key that opens the user keys. While the
-// positions of axes are in doubt there is a key that trusts them again; it has to be held, because
-// a position that is wrong breaks tools.
+// The bottom row: reset, home, load, rewind, and the key that opens the user keys. While positions
+// of axes are in doubt there is a key that trusts them again; it has to be held, because a position
+// that is wrong breaks tools.
 #pragma once
 
 #include <QTimer>

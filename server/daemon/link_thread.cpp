@@ -1,19 +1,12 @@
 #include "server/daemon/link_thread.h"
 
 #include <cerrno>
-#include <cstring>
-#include <pthread.h>
-#include <sched.h>
-#include <sys/mman.h>
 #include <time.h>
 
-#include "server/daemon/task_thread.h"
+#include "server/daemon/real_time.h"
 
 namespace cnc::server {
 namespace {
-
-constexpr int kPriority =
-    60;  // above interrupt threads of discs and networks (50), below watchdogs
 
 std::chrono::steady_clock::time_point sleep_until(std::chrono::steady_clock::time_point due) {
   const auto since_boot = due.time_since_epoch();
@@ -30,17 +23,10 @@ double seconds(std::chrono::steady_clock::duration duration) {
 
 }  // namespace
 
-std::string lock_memory() {
-  return mlockall(MCL_CURRENT) == 0 ? std::string{} : std::strerror(errno);
-}
-
 LinkThread::LinkThread(Link& link, std::chrono::steady_clock::time_point epoch,
                        std::chrono::microseconds period)
     : link_(link), epoch_(epoch), period_(period), thread_([this] { run(); }) {
-  const sched_param priority{kPriority};
-  if (const int refused = pthread_setschedparam(thread_.native_handle(), SCHED_FIFO, &priority);
-      refused != 0)
-    priority_refused_ = std::strerror(refused);
+  priority_refused_ = request_fifo(thread_.native_handle(), kLinkPriority);
 }
 
 LinkThread::~LinkThread() {

@@ -1,8 +1,6 @@
 // The real-time thread: calls Link::cycle() at a fixed pace.
 //
-// It asks for SCHED_FIFO and for locked memory; where the system does not permit it, it runs as an
-// ordinary thread and says so once (docs/realtime.md says what to configure). In the loop it
-// allocates nothing, takes no lock and logs nothing.
+// It asks for SCHED_FIFO. In the loop it allocates nothing, takes no lock and logs nothing.
 #pragma once
 
 #include <atomic>
@@ -13,11 +11,6 @@
 #include "server/link/link.h"
 
 namespace cnc::server {
-
-/// Locks what the process has in memory now, so that no page fault delays the link thread: to be
-/// called when everything that it touches has been made. What comes later is not locked: a mapped
-/// job of gigabytes must not be. Empty when granted, otherwise the reason why not.
-[[nodiscard]] std::string lock_memory();
 
 class LinkThread {
  public:

@@ -17,6 +17,7 @@
 #include "hal/trace/traced_controller.h"
 #include "server/daemon/data_folder.h"
 #include "server/daemon/link_thread.h"
+#include "server/daemon/real_time.h"
 #include "server/daemon/task_thread.h"
 #include "server/daemon/trace_keeper.h"
 #include "server/link/link_trace.h"
@@ -167,6 +168,9 @@ int serve(const Options& options) {
   TaskThread fanout;
   TaskThread executor;
   LinkThread link_thread(link, epoch, kLinkPeriod);
+  const std::string executor_refused = executor.request_priority(kExecutorPriority);
+  const std::string& priority_refused =
+      executor_refused.empty() ? link_thread.priority_refused() : executor_refused;
   const std::string memory_refused = lock_memory();
 
   rpc::Host host{machine,
@@ -178,7 +182,7 @@ int serve(const Options& options) {
                  options.jobs,
                  std::filesystem::absolute(options.data) / "dialogPictures",
                  board->name,
-                 link_thread.priority_refused().empty(),
+                 priority_refused.empty(),
                  std::chrono::duration<double>(kLinkPeriod).count(),
                  [&](TraceKeeper::Answer answer) { trace_keeper.save_now(std::move(answer)); },
                  board->press_estop};
@@ -188,11 +192,11 @@ int serve(const Options& options) {
   if (!server) return report(server.error());
   protect_socket(options.socket);
 
-  if (!link_thread.priority_refused().empty() || !memory_refused.empty())
+  if (!priority_refused.empty() || !memory_refused.empty())
     spdlog::warn(
         "Running without real-time rights (priority: {}; memory: {}); docs/realtime.md "
         "says how to grant them.",
-        link_thread.priority_refused().empty() ? "granted" : link_thread.priority_refused(),
+        priority_refused.empty() ? "granted" : priority_refused,
         memory_refused.empty() ? "locked" : memory_refused);
   executor.every(kMachinePeriod, [&] {
     machine.cycle(seconds_since(epoch));

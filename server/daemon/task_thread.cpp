@@ -8,6 +8,8 @@
 #include <thread>
 #include <utility>
 
+#include "server/daemon/real_time.h"
+
 namespace cnc::server {
 
 namespace asio = boost::asio;
@@ -53,6 +55,10 @@ void TaskThread::post(std::function<void()> task) { asio::post(impl_->context, s
 void TaskThread::every(std::chrono::microseconds period, std::function<bool()> task) {
   auto repeating = std::make_shared<Repeating>(impl_->context, period, std::move(task));
   asio::post(impl_->context, [repeating] { repeating->run(); });
+}
+
+std::string TaskThread::request_priority(int priority) {
+  return request_fifo(impl_->thread.native_handle(), priority);
 }
 
 void TaskThread::stop() {

@@ -7,6 +7,7 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <string>
 
 namespace cnc::server {
 
@@ -21,6 +22,9 @@ class TaskThread {
   /// Any thread. Calls `task` every `period` for as long as it returns true. A late call is not
   /// made up for: the next is due one period later, or at once.
   void every(std::chrono::microseconds period, std::function<bool()> task);
+
+  /// SCHED_FIFO (real_time.h). Empty when granted, otherwise the reason why not.
+  [[nodiscard]] std::string request_priority(int priority);
 
   void stop();
 

@@ -43,7 +43,8 @@ void TraceKeeper::save_now(Answer answer) {
 
 Result<std::filesystem::path> TraceKeeper::write_when_asked() {
   const Moment now = std::chrono::steady_clock::now();
-  if (last_asked_ && now - last_asked_->when < settings_.rest) return last_asked_->path;
+  if (last_asked_ && now - last_asked_->when < settings_.rest && exists(last_asked_->path))
+    return last_asked_->path;
   auto written = write(std::string(kAskedFor));
   if (written) last_asked_ = {now, *written};
   return written;
@@ -53,6 +54,7 @@ void TraceKeeper::write_after_fault(const std::string& reason) {
   const auto now = std::chrono::steady_clock::now();
   if (last_fault_ && now - *last_fault_ < settings_.pause) return;
   last_fault_ = now;
+  last_asked_.reset();  // it does not have the fault
   const auto written = write(reason);
   if (written) {
     warned_ = false;

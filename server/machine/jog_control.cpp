@@ -21,34 +21,34 @@ JogControl::JogControl(const config::MachineConfig& config, MotionFeed& feed)
       feed_(feed),
       planner_(feed.limits(), config.trajectory.interpolation_time, Position{}) {}
 
-/// The first command of a motion: from where the machine stands, within the travel of homed axes.
-void JogControl::begin(const AxisArray<bool>& homed) {
+/// The first command of a motion: from where the machine stands, within the travel of axes that
+/// were homed: that of one in doubt is still about right.
+void JogControl::begin(const PositionTrust& trust) {
   if (active_) return;
   error_.reset();
   planner_ =
       motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
-  const motion::Extents travel = feed_.travel(homed);
+  const motion::Extents travel = feed_.travel(trust.known());
   for (const Axis axis : kAllAxes) planner_.set_travel(axis, {travel.min[axis], travel.max[axis]});
-  feed_.begin_motion(homed);
+  feed_.begin_motion(trust.known());
 }
 
-double JogControl::allowed_rate(double rate, const AxisArray<bool>& homed) const {
-  const bool all_homed = std::ranges::all_of(
-      kAllAxes, [&](Axis axis) { return homed[axis] || !config_.axes[axis].programmable(); });
-  const double highest = config_.safety.homing_mandatory && !all_homed ? kUnhomedRate : 1.0;
+double JogControl::allowed_rate(double rate, const PositionTrust& trust) const {
+  const bool is_slow = config_.safety.homing_mandatory && !trust.all_trusted();
+  const double highest = is_slow ? kUnhomedRate : 1.0;
   return std::clamp(rate, -highest, highest);
 }
 
 Result<void> JogControl::set_rates(const Position& rates, double until,
-                                   const AxisArray<bool>& homed) {
+                                   const PositionTrust& trust) {
   for (const Axis axis : kAllAxes)
     if (rates[axis] != 0.0 && !config_.axes[axis].programmable())
       return fail(ErrorCode::axis_not_connected,
                   "Axis " + std::string(axis_name(axis)) + " is not connected.");
-  begin(homed);
+  begin(trust);
   for (const Axis axis : kAllAxes) {
     if (!config_.axes[axis].programmable()) continue;
-    const double velocity = allowed_rate(rates[axis], homed) * config_.axes[axis].velocity;
+    const double velocity = allowed_rate(rates[axis], trust) * config_.axes[axis].velocity;
     if (auto set = planner_.set_velocity(axis, velocity); !set) return set;
   }
   leased_ = true;
@@ -58,13 +58,12 @@ Result<void> JogControl::set_rates(const Position& rates, double until,
   return {};
 }
 
-Result<void> JogControl::step(Axis axis, double distance, double rate,
-                              const AxisArray<bool>& homed) {
+Result<void> JogControl::step(Axis axis, double distance, double rate, const PositionTrust& trust) {
   if (!config_.axes[axis].programmable())
     return fail(ErrorCode::axis_not_connected,
                 "Axis " + std::string(axis_name(axis)) + " is not connected.");
-  begin(homed);
-  const double speed = allowed_rate(rate, homed) * config_.axes[axis].velocity;
+  begin(trust);
+  const double speed = allowed_rate(rate, trust) * config_.axes[axis].velocity;
   if (auto moved = planner_.move_by(axis, distance, speed); !moved) return moved;
   rates_ = {};
   active_ = true;

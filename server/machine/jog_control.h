@@ -11,6 +11,7 @@
 #include "config/machine_config.h"
 #include "motion/jog.h"
 #include "server/machine/motion_feed.h"
+#include "server/machine/position_trust.h"
 
 namespace cnc::server {
 
@@ -19,9 +20,9 @@ class JogControl {
   JogControl(const config::MachineConfig& config, MotionFeed& feed);
 
   /// Wanted velocities as parts of the maximum, -1 … 1; renews the lease until `until`.
-  Result<void> set_rates(const Position& rates, double until, const AxisArray<bool>& homed);
+  Result<void> set_rates(const Position& rates, double until, const PositionTrust& trust);
   /// Adds a step to where the axis is going.
-  Result<void> step(Axis axis, double distance, double rate, const AxisArray<bool>& homed);
+  Result<void> step(Axis axis, double distance, double rate, const PositionTrust& trust);
   void stop();
   /// The motion was ended from outside (fault): forget it.
   void drop();
@@ -32,11 +33,11 @@ class JogControl {
   [[nodiscard]] const std::optional<Error>& error() const { return error_; }
 
  private:
-  void begin(const AxisArray<bool>& homed);
+  void begin(const PositionTrust& trust);
   void replan();
   void cut(std::size_t count);
   void draw();
-  [[nodiscard]] double allowed_rate(double rate, const AxisArray<bool>& homed) const;
+  [[nodiscard]] double allowed_rate(double rate, const PositionTrust& trust) const;
 
   const config::MachineConfig& config_;
   MotionFeed& feed_;

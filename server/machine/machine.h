@@ -205,7 +205,6 @@ class Machine {
   std::uint32_t session_ = 0;  // with the board; 0: it was never there
   std::array<std::uint8_t, config::kGuardRules> guard_counts_{};  // of it, as seen
   std::array<Seldom, config::kGuardRules> guard_messages_;
-  bool drives_on_ = false;           // the board's, as seen
   hal::Faults faults_ = 0;           // the board's, as seen
   std::optional<Error> guard_stop_;  // why the board stops, until it stands
   AxisArray<bool> home_switches_{};  // as seen in the last cycle

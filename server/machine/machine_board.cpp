@@ -117,10 +117,10 @@ void Machine::watch_guards() {
 }
 
 /// A motor without current can be turned, a vertical axis sags, and a stepper goes to where it is
-/// drawn when it is switched on again. Drives with an encoder know (drivesHoldPosition).
+/// drawn when it is switched on again: an axis that is homed by hand meanwhile, too. Drives with an
+/// encoder know (drivesHoldPosition).
 void Machine::watch_drives(bool on) {
-  const bool went_off = std::exchange(drives_on_, on) && !on;
-  if (went_off && !data_.config.safety.drives_hold_position)
+  if (!on && !data_.config.safety.drives_hold_position)
     lose_trust(TrustEvent::drives_off, AxisArray<bool>::filled(true));
 }
 

@@ -146,7 +146,7 @@ Result<void> Machine::jog(const Position& rates, double lease) {
   for (const Axis axis : kAllAxes)
     if (rates[axis] != 0.0)
       if (auto free = check_clamp(axis); !free) return free;
-  if (auto set = jog_.set_rates(rates, now_ + lease, trust_.trusted()); !set) return set;
+  if (auto set = jog_.set_rates(rates, now_ + lease, trust_); !set) return set;
   if (jog_.active()) enter(State::jogging);
   return {};
 }
@@ -154,7 +154,7 @@ Result<void> Machine::jog(const Position& rates, double lease) {
 Result<void> Machine::jog_step(Axis axis, double distance, double rate) {
   if (auto allowed = allow(CommandKind::jog); !allowed) return allowed;
   if (auto free = check_clamp(axis); !free) return free;
-  if (auto stepped = jog_.step(axis, distance, rate, trust_.trusted()); !stepped) return stepped;
+  if (auto stepped = jog_.step(axis, distance, rate, trust_); !stepped) return stepped;
   if (jog_.active()) enter(State::jogging);
   return {};
 }

@@ -104,6 +104,12 @@ AxisArray<bool> PositionTrust::trusted() const {
   return result;
 }
 
+AxisArray<bool> PositionTrust::known() const {
+  AxisArray<bool> result;
+  for (const Axis axis : kAllAxes) result[axis] = trust_[axis] != Trust::unknown;
+  return result;
+}
+
 bool PositionTrust::all_trusted() const {
   return std::ranges::all_of(
       kAllAxes, [&](Axis axis) { return !axes_[axis] || trust_[axis] == Trust::trusted; });

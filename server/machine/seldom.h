@@ -1,5 +1,5 @@
-// A message that may be due at any rate, a flickering input's say, is told at once, and then not more
-// than once a second, with how often it was due: the log keeps room for others.
+// A message that may be due at any rate, a flickering input's say, is told at once, and then not
+// more than once a second, with how often it was due: the log keeps room for others.
 #pragma once
 
 #include <limits>

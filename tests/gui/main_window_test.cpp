@@ -168,6 +168,17 @@ TEST_CASE("Positions in doubt are accepted by a key that is held, and only those
   CHECK_FALSE(wait_until([&] { return !only<AcceptPosition>(screen.requests).empty(); },
                          std::chrono::milliseconds(1500)));
 
+  // What comes into doubt while it is held has not been looked at.
+  send_mouse(key, QEvent::MouseButtonPress, middle);
+  auto worse = status;
+  worse.trust[Axis::X] = api::PositionTrust::doubtful;
+  screen.window.show_status(worse);
+  CHECK_FALSE(wait_until([&] { return !only<AcceptPosition>(screen.requests).empty(); },
+                         std::chrono::milliseconds(1500)));
+  send_mouse(key, QEvent::MouseButtonRelease, middle);
+  screen.window.show_status(status);
+
+  const QRect home = screen.button("home_all").geometry();
   send_mouse(key, QEvent::MouseButtonPress, middle);
   CHECK(wait_until([&] { return !only<AcceptPosition>(screen.requests).empty(); }));
   send_mouse(key, QEvent::MouseButtonRelease, middle);
@@ -178,6 +189,7 @@ TEST_CASE("Positions in doubt are accepted by a key that is held, and only those
   status.trust[Axis::Y] = api::PositionTrust::trusted;
   screen.window.show_status(status);
   CHECK_FALSE(key.isVisible());
+  CHECK(screen.button("home_all").geometry() == home);
 }
 
 TEST_CASE("Override keys step by ten per cent, within the limits, and back to 100 %",

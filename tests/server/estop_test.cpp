@@ -24,6 +24,12 @@ void start_cut(Rig& rig) {
   REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 5.0; }));
 }
 
+Position full_rate(Axis axis) {
+  Position rates;
+  rates[axis] = 1.0;
+  return rates;
+}
+
 }  // namespace
 
 TEST_CASE("Emergency stop stops, switches everything off and ends the job", "[STA-4][safety]") {
@@ -91,6 +97,11 @@ TEST_CASE(
          rig.start("M81\nG4 P0.1\nM80\n");
          REQUIRE(rig.becomes([&] { return rig.state() != State::running; }));
        }},
+      {"M81 in a job, and X homed by hand before M80",
+       [](Rig& rig) {
+         rig.start("M81\nhome x\nM80\n");
+         REQUIRE(rig.becomes([&] { return rig.state() != State::running; }));
+       }},
       {"lost link",
        [](Rig& rig) {
          rig.simulation.virtual_controller().trouble().cable_out = true;
@@ -132,6 +143,27 @@ TEST_CASE("After an emergency stop the operator homes, or vouches for where the 
   CHECK(rig.state() == State::needs_homing);
   REQUIRE(rig.machine.accept_position({}));
   CHECK(rig.becomes(State::ready, 0.1));
+}
+
+TEST_CASE("An axis in doubt is jogged slowly, and within its limits",
+          "[STA-4][STA-5][STA-6][safety]") {
+  Rig rig(shipped_machine({"SAFETY.drivesHoldPosition=0", "AXIS_X.homeVelocity=0",
+                           "AXIS_Y.homeVelocity=0", "AXIS_Z.homeVelocity=0",
+                           "AXIS_X.positiveLimit=20"}));
+  REQUIRE(rig.reset());
+  REQUIRE(rig.home());
+  REQUIRE(rig.mdi("G53 G0 X18"));
+  press(rig);
+  release(rig);
+  REQUIRE(rig.reset());
+  REQUIRE(rig.state() == State::needs_homing);
+  for (int i = 0; i < 10; ++i) {
+    REQUIRE(rig.machine.jog(full_rate(Axis::X), 0.25));
+    rig.run_for(0.1);
+    CHECK(rig.shown()->velocity[Axis::X] <= 0.05 * 100.0 + 1e-6);
+    CHECK(rig.position()[Axis::X] <= 20.0 + 1e-6);
+  }
+  CHECK(rig.position()[Axis::X] == Approx(20.0).margin(1e-3));
 }
 
 TEST_CASE("A jogged axis loses its home as well", "[STA-4][safety]") {
