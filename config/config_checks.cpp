@@ -1,5 +1,6 @@
 #include "config/config_checks.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
@@ -80,6 +81,41 @@ Finding check_home_position(const MachineConfig& config, Axis axis) {
       fmt::format("{} is further than the whole travel outside of {} and {}.",
                   shown(config, axis, "homePosition"), shown(config, axis, "negativeLimit"),
                   shown(config, axis, "positiveLimit")),
+      std::nullopt};
+}
+
+/// s of motion that the board holds at the most: its FIFO has 256 segments (hal/cpu5/PROTOCOL.md).
+double motion_held(const TrajectoryConfig& times) {
+  constexpr double kSegmentsOfFifo = 256.0;
+  return std::min(times.fifo_time, kSegmentsOfFifo * times.interpolation_time);
+}
+
+/// A board that hears nothing for hostTimeout brakes along the motion that it holds. From the speed
+/// v with the acceleration a it needs the way v^2 / (2 a), which at v is v / (2 a) of that motion.
+/// Where it ends too early the axis stops on the spot, and its position is in doubt.
+Finding check_way_to_brake(const MachineConfig& config, Axis axis) {
+  constexpr double kRounding = 1e-9;
+  const AxisConfig& row = config.axes[axis];
+  const double braking = row.velocity / (2.0 * row.acceleration);
+  const double needed = config.connection.host_timeout + braking;
+  const double held = motion_held(config.trajectory);
+  if (needed <= held + kRounding) return std::nullopt;
+  TrajectoryConfig longer = config.trajectory;
+  longer.fifo_time = std::ceil((needed - kRounding) * 100.0) / 100.0;
+  const std::string right =
+      motion_held(longer) + kRounding >= needed &&
+              longer.fifo_time <= find_setting("TRAJECTORY", "fifoTime")->max
+          ? fmt::format("fifoTime should be {} s at least, or the acceleration higher",
+                        longer.fifo_time)
+          : "the acceleration should be higher, or the velocity or hostTimeout lower";
+  return Error{
+      ErrorCode::config_way_to_brake_short,
+      fmt::format(
+          "{} and {}: a board that no longer hears the server would need {:.3f} s "
+          "of motion, {} s of silence and {:.3f} s to brake, and holds {} s. It would stop at "
+          "once, and the position be in doubt; {}.",
+          shown(config, axis, "velocity"), shown(config, axis, "acceleration"), needed,
+          config.connection.host_timeout, braking, held, right),
       std::nullopt};
 }
 
@@ -177,6 +213,15 @@ std::vector<ConfigConflict> find_conflicts(const MachineConfig& config) {
   }
   for (const auto& [section, rule] : kMachineRules) run(rule, section, config, Axis::X, conflicts);
   return conflicts;
+}
+
+std::vector<Error> find_cautions(const MachineConfig& config) {
+  std::vector<Error> cautions;
+  for (const Axis axis : kAllAxes) {
+    if (!config.axes[axis].connected()) continue;
+    if (auto caution = check_way_to_brake(config, axis)) cautions.push_back(std::move(*caution));
+  }
+  return cautions;
 }
 
 }  // namespace cnc::config

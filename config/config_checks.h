@@ -17,4 +17,8 @@ struct ConfigConflict {
 /// Every rule that the configuration breaks. Axes that are not connected are not looked at.
 [[nodiscard]] std::vector<ConfigConflict> find_conflicts(const MachineConfig& config);
 
+/// What a machine with a real board can live with, but its operator should be told. Axes that are
+/// not connected are not looked at.
+[[nodiscard]] std::vector<Error> find_cautions(const MachineConfig& config);
+
 }  // namespace cnc::config

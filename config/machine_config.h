@@ -64,8 +64,9 @@ struct AxisConfig {
 
 /// LNK-1, LNK-3: the controller board and the pulses that it makes.
 struct ConnectionConfig {
-  std::string board = "virtual";  ///< hal/cpu5/driver/board_address.h
-  double host_timeout = 0.1;      ///< s of silence after which a real board stops the machine
+  std::string board = "virtual";       ///< hal/cpu5/driver/board_address.h, as the next
+  std::string local_address = "auto";  ///< of this computer, on the board's network
+  double host_timeout = 0.1;           ///< s of silence after which the board stops the machine
   std::int32_t max_step_frequency = 125'000;  ///< Hz; no axis may need more at its velocity
   double pulse_width = 1.0;                   ///< µs; the pause behind it is as long at least
   double direction_setup = 5.0;               ///< µs from a change of direction to the next pulse
@@ -106,7 +107,7 @@ struct SafetyConfig {
   bool homing_mandatory = true;
   bool home_sensor_is_estop = false;
   bool drives_hold_position = false;  ///< also while they are off
-  bool shut_down_on_fatal = false;  ///< the server ends when it loses the board
+  bool shut_down_on_fatal = false;    ///< the server ends when it loses the board
 
   friend bool operator==(const SafetyConfig&, const SafetyConfig&) = default;
 };

@@ -14,6 +14,7 @@
 #include "config/axis.h"
 #include "config/error.h"
 #include "config/guard_rule.h"
+#include "hal/link_obstacle.h"
 #include "hal/outputs.h"
 
 namespace cnc::hal {
@@ -113,6 +114,7 @@ struct PacketCounts {
 struct ControllerStatus {
   double time = 0.0;  ///< board time, s
   bool connected = false;
+  LinkObstacle obstacle{};     ///< to a link, as long as there is none
   std::uint32_t sessions = 0;  ///< counts up whenever a link has been made, also after its loss
   /// The board was reset before this session: `position` is only where the axes were last seen.
   bool counts_lost = false;

@@ -204,6 +204,7 @@ CheckReport check(std::shared_ptr<const Program> program, const InterpreterSetti
                   config::ParameterStore parameters, config::ToolTable tools, const Position& start,
                   const CheckOptions& options) {
   Interpreter interpreter(settings, parameters, tools);
+  if (options.begins_with) interpreter.set_state(*options.begins_with);
   interpreter.start(program, start, {.mode = RunMode::render});
   return Checker(options, interpreter, program->name()).run(*program);
 }

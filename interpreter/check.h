@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "interpreter/interpreter.h"
@@ -26,6 +27,8 @@ struct CheckOptions {
   /// Lines to run in loops and subs without coming to a new line of the program: seconds. A file of
   /// any length without loops is checked to its end. 0 = no limit.
   std::uint64_t max_loop_lines = kMaxLoopLines;
+  /// What the program finds in force; the modes of power-up where it is not said.
+  std::optional<MachineState> begins_with;
   /// Called with every command; empty = nobody wants them.
   std::function<void(const Command&)> sink;
   /// Set by another thread, or a signal, to give up.

@@ -55,6 +55,8 @@ void Interpreter::set_position(const Position& machine_position) {
   impl_->runner.state().arrive(machine_position);
 }
 const ModalState& Interpreter::modal() const { return impl_->runner.state().modal; }
+const MachineState& Interpreter::state() const { return impl_->runner.state(); }
+void Interpreter::set_state(const MachineState& state) { impl_->runner.state() = state; }
 void Interpreter::set_block_delete(bool on) { impl_->runner.set_block_delete(on); }
 void Interpreter::set_tool_in_spindle(std::int32_t tool) {
   impl_->runner.state().modal.tool = config::ToolTable::is_valid(tool) ? tool : 0;

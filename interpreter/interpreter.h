@@ -30,6 +30,7 @@
 #include "interpreter/canonical.h"
 #include "interpreter/diagnostic.h"
 #include "interpreter/interpreter_settings.h"
+#include "interpreter/machine_state.h"
 #include "interpreter/modal_state.h"
 #include "interpreter/program.h"
 
@@ -122,6 +123,10 @@ class Interpreter {
   void set_position(const Position& machine_position);
 
   [[nodiscard]] const ModalState& modal() const;
+  /// All that the next program finds in force: to be given to an interpreter that shall do the same.
+  /// Between programs only.
+  [[nodiscard]] const MachineState& state() const;
+  void set_state(const MachineState& state);
   void set_block_delete(bool on);
   /// The tool that is in the spindle, 0 … 99, when the world knows better (start-up, change by
   /// hand).

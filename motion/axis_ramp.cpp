@@ -36,6 +36,9 @@ constexpr int kMostTicks = 100'000;
 
 constexpr int kHalvings = 50;
 
+/// A stop that ends this close to the end of the room uses all of it, mm.
+constexpr double kUsedUp = 1e-10;
+
 }  // namespace
 
 AxisState AxisRamp::next(const AxisState& now, double wanted, const Room& room) const {
@@ -79,26 +82,34 @@ double AxisRamp::acceleration_towards(const AxisState& now, double wanted) const
   return std::clamp(std::copysign(units * change, left), low, high);
 }
 
-bool AxisRamp::can_stop_within(AxisState state, const Room& room) const {
-  if (state.position > room.top || state.position < room.bottom) return false;
+/// Where a stop that begins now ends; nothing when it leaves the room.
+std::optional<double> AxisRamp::stop_within(AxisState state, const Room& room) const {
+  if (state.position > room.top || state.position < room.bottom) return std::nullopt;
   for (int i = 0; i < kMostTicks; ++i) {
-    if (nearly_stands(state)) return true;
+    if (nearly_stands(state)) return state.position;
     state = after_tick(state, acceleration_towards(state, 0.0));
-    if (state.position > room.top || state.position < room.bottom) return false;
+    if (state.position > room.top || state.position < room.bottom) return std::nullopt;
   }
-  return false;
+  return std::nullopt;
 }
 
+/// A stop that is to use all of the room is searched for in one tick only: in the next ones it is
+/// that very stop which does.
 AxisState AxisRamp::next_within_jerk(const AxisState& now, double wanted, const Room& room) const {
   // Outside already it may move, but not further out.
   const Room wider{std::min(room.bottom, now.position), std::max(room.top, now.position)};
   double best = acceleration_towards(now, wanted);
-  if (!can_stop_within(after_tick(now, best), wider)) {
+  if (!stop_within(after_tick(now, best), wider)) {
     double bad = best;
     best = acceleration_towards(now, 0.0);
-    for (int i = 0; i < kHalvings && bad != best; ++i) {
+    const double end = bad > best ? wider.top : wider.bottom;
+    std::optional<double> stop = stop_within(after_tick(now, best), wider);
+    const auto leaves_room = [&] { return stop && std::abs(end - *stop) > kUsedUp; };
+    for (int i = 0; i < kHalvings && leaves_room(); ++i) {
       const double middle = 0.5 * (best + bad);
-      (can_stop_within(after_tick(now, middle), wider) ? best : bad) = middle;
+      const auto better = stop_within(after_tick(now, middle), wider);
+      (better ? best : bad) = middle;
+      if (better) stop = better;
     }
   }
   const AxisState next = after_tick(now, best);

@@ -6,6 +6,8 @@
 // would follow, tick by tick; so a stop ends exactly where the room does.
 #pragma once
 
+#include <optional>
+
 namespace cnc::motion {
 
 struct AxisState {
@@ -40,7 +42,7 @@ class AxisRamp {
                                            const Room& room) const;
   [[nodiscard]] AxisState after_tick(const AxisState& now, double acceleration) const;
   [[nodiscard]] double acceleration_towards(const AxisState& now, double wanted) const;
-  [[nodiscard]] bool can_stop_within(AxisState state, const Room& room) const;
+  [[nodiscard]] std::optional<double> stop_within(AxisState state, const Room& room) const;
 
   double acceleration_;
   double jerk_;

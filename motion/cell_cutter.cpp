@@ -8,7 +8,7 @@ namespace cnc::motion {
 namespace {
 
 /// A start from rest and a stop have constant jerk over this distance, mm, unless the whole way is
-/// short.
+/// short, or the feed so low that the acceleration is built up sooner.
 constexpr double kStandstill = 1e-3;
 constexpr double kShareOfShortWay = 1.0 / 20.0;
 
@@ -17,10 +17,12 @@ constexpr double kShareOfShortWay = 1.0 / 20.0;
 constexpr double kGrowth = 1.4;
 
 /// Longest cell: this part of the distance in which acceleration builds up, or of the one in which
-/// speed does, whichever is longer.
+/// speed does, or the way in this time, s, whichever is longest.
 constexpr double kPartOfJerking = 0.1;
 constexpr double kPartOfAccelerating = 0.005;
+constexpr double kLeastTime = 5e-4;
 
+/// Unless the whole way is as short.
 constexpr double kShortestCell = 1e-9;
 
 /// The distance of a stop is longer by the way in this time, s: a plan is then made so long before
@@ -138,7 +140,10 @@ Reach CellCutter::reach_of(PathPlace at, double length) const {
 }
 
 double CellCutter::begin_run() {
-  at_.standstill = std::min(kStandstill, kShareOfShortWay * at_.left);
+  const SpeedCell cell = rest_of_interval();
+  const double way = speed_on(cell) * std::max(jerking_time(cell), kLeastTime);
+  at_.standstill =
+      std::min({kStandstill, kShareOfShortWay * at_.left, std::max(way, kShortestCell)});
   return at_.standstill;
 }
 
@@ -154,25 +159,30 @@ double CellCutter::stop_length() const {
   return at_end ? at_.left : std::min(at_.left, at_.previous);
 }
 
+SpeedCell CellCutter::rest_of_interval() const {
+  const PathInterval& interval = intervals_[at_.place.interval];
+  return make_cell(interval, at_.place.start, interval.length - at_.place.start, limits_);
+}
+
 /// Where the present interval wants no shorter cells.
 double CellCutter::longest_here() const {
-  const PathInterval& interval = intervals_[at_.place.interval];
-  const SpeedCell cell =
-      make_cell(interval, at_.place.start, interval.length - at_.place.start, limits_);
+  const SpeedCell cell = rest_of_interval();
   const double v = speed_on(cell);
   const double a = cell.reach.a_first;
-  return std::max(kPartOfJerking * v * jerking_time(cell), kPartOfAccelerating * v * v / a);
+  return std::max({kPartOfJerking * v * jerking_time(cell), kPartOfAccelerating * v * v / a,
+                   kLeastTime * v, kShortestCell});
 }
 
 double CellCutter::next_length() const {
   if (at_.place.interval >= intervals_.end()) return 0.0;
   const double rest = intervals_[at_.place.interval].length - at_.place.start;
   const double towards_end = length_towards_end();
+  const double shortest = std::min(kShortestCell, 0.5 * at_.standstill);
   double length = std::min(rest, kGrowth * at_.previous);
-  if (length > kShortestCell) length = std::min(length, longest_here());
+  if (length > shortest) length = std::min(length, longest_here());
   if (towards_end < length && !end_is_final()) return 0.0;
   length = std::min(length, towards_end);
-  if (length < kShortestCell) return 0.0;
+  if (length < shortest) return 0.0;
   // No sliver at the end of the interval.
   const double count = std::ceil(rest / length - 1e-6);
   return count <= 4.0 ? rest / count : length;

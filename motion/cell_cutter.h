@@ -81,6 +81,7 @@ class CellCutter {
  private:
   [[nodiscard]] bool end_is_final() const { return at_.end_is_known || at_.ends_early; }
   [[nodiscard]] std::uint64_t next_stop(std::uint64_t interval) const;
+  [[nodiscard]] SpeedCell rest_of_interval() const;
   [[nodiscard]] double longest_here() const;
   [[nodiscard]] double length_towards_end() const;
   void move_on(double length);

@@ -17,7 +17,9 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 /// the one before; and rounds for each.
 constexpr int kTrials = 16;
 constexpr double kNextTrial = 1.15;
-constexpr double kShortest = 0.02;
+/// And so much more, mm, or the way in so many seconds.
+constexpr double kMoreWay = 0.02;
+constexpr double kMoreTime = 0.005;
 constexpr int kFewRounds = 12;
 constexpr int kMostRounds = 22;
 
@@ -108,7 +110,7 @@ double JerkPlan::shortest_braking(std::uint64_t first) const {
   const double w = std::max(0.0, (x[2] - x[1]) / cell.length);
   const double j = cell.reach.j_first;
   const double a = std::min(cell.reach.a_first, std::sqrt(v * j));
-  return v * v / (2.0 * a) + v * (0.5 * a + w) / j + kShortest;
+  return v * v / (2.0 * a) + v * (0.5 * a + w) / j + std::min(kMoreWay, kMoreTime * v);
 }
 
 /// A window of its own: the fixed cell before `first`, new cells up to the end of the cutter's
@@ -157,11 +159,13 @@ void JerkPlan::guess_braking() {
 bool JerkPlan::try_to_stop(std::uint64_t first) {
   if (!make_trial(first)) return false;
   const std::uint64_t free = trial_.cells.first() + 1;
-  for (int i = 0; i < kMostRounds; ++i, ++rounds_) {
-    if (!trial_.improve(free)) break;
-    if (i >= kFewRounds && trial_.usage(free) <= kUsageOfPlan) return true;
+  for (int i = 1; i <= kMostRounds; ++i, ++rounds_) {
+    const bool more = trial_.improve(free);
+    if (more && i < kFewRounds) continue;
+    if (trial_.usage(free) <= kUsageOfPlan) return true;
+    trial_.defend_harder(free);
   }
-  return trial_.usage(free) <= kUsageOfPlan;
+  return false;
 }
 
 void JerkPlan::take_over_trial(std::uint64_t first) {

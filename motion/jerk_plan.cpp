@@ -47,11 +47,12 @@ struct JerkPlan::Saved {
   bool changed;
 };
 
-JerkPlan::JerkPlan(const JerkLimits& limits, std::size_t max_cells, std::size_t max_intervals)
-    : cutter_(limits, max_intervals),
-      window_(max_cells),
-      trial_(max_cells / 4),
-      runs_(max_cells / 8) {
+JerkPlan::JerkPlan(const JerkLimits& limits, std::size_t ahead, std::size_t behind)
+    : most_ahead_(ahead),
+      cutter_(limits, ahead + behind),
+      window_(ahead + behind),
+      trial_(ahead / 2),
+      runs_(ahead / 4) {
   runs_.push_back({});
 }
 JerkPlan::~JerkPlan() = default;
@@ -105,16 +106,44 @@ double JerkPlan::known_ahead() const {
   return ahead;
 }
 
-bool JerkPlan::has_room() const { return cutter_.has_room() && window_.cells.free() > kFewCells; }
+/// Of the path that this place is on; those before it are driven.
+std::uint64_t JerkPlan::first_interval_of(const MotionPlace& place) const {
+  const Run& run = run_of(place);
+  switch (place.phase) {
+    case Phase::starting:
+      return run.from.interval;
+    case Phase::driving:
+      return window_.cells[place.cell].cell.interval;
+    case Phase::stopping:
+      return run.stop.place.interval;
+    case Phase::standing:
+      break;
+  }
+  return run.end.interval;
+}
+
+std::size_t JerkPlan::free_cells() const {
+  const std::uint64_t end = window_.cells.end();
+  const std::uint64_t ahead = end - std::min(place_.cell, end);
+  const std::size_t room = ahead < most_ahead_ ? most_ahead_ - ahead : 0;
+  return std::min(room, window_.cells.free());
+}
+
+bool JerkPlan::takes_intervals() const {
+  return cutter_.has_room() && intervals().end() - first_interval_of(place_) < most_ahead_;
+}
+
+bool JerkPlan::has_room() const { return takes_intervals() && free_cells() > kFewCells; }
 
 bool JerkPlan::wants_path() const {
   return in_last_run() && !cutter_.end_is_known() && has_room() &&
          cutter_.left() <= kStock * look_ahead_;
 }
 
+/// For the next plan, or for one that may be wanted at any instant.
 bool JerkPlan::lacks_path() const {
   return in_last_run() && !cutter_.end_is_known() && has_room() &&
-         cutter_.left() <= kNewPart * look_ahead_;
+         (cutter_.left() <= kNewPart * look_ahead_ || !knows_enough());
 }
 
 void JerkPlan::append(const PathInterval& interval) {
@@ -160,7 +189,7 @@ bool JerkPlan::due() const {
   if (standing()) return !held_ && runs_.free() > 0 && (!in_last_run() || path_left());
   if (place_.cell < retry_at_cell_) return false;
   if (changed_ || held_ || !in_last_run()) return changed_;
-  if (window_.cells.free() == 0) return false;
+  if (free_cells() == 0) return false;
   const double shaped_from = distance_of(std::max(run().shaped_from, place_.cell));
   const double shaped = distance_of(run().stop.cell) - shaped_from;
   const double margin = kTimeAhead * std::sqrt(window_.cells[place_.cell].x_in_force);
@@ -168,7 +197,7 @@ bool JerkPlan::due() const {
   if (ahead > kEnoughAhead * shaped + margin) return false;
   const double enough =
       cutter_.end_is_known() ? run().stop.length : kNewPart * std::min(shaped, look_ahead_);
-  return (cutter_.left() > enough || !cutter_.has_room()) && cutter_.next_length() > 0.0;
+  return (cutter_.left() > enough || !takes_intervals()) && cutter_.next_length() > 0.0;
 }
 
 /// Of a cell's begin along the run; also of the place behind the last one.
@@ -305,11 +334,7 @@ void JerkPlan::go_back(const MotionPlace& place) {
 }
 
 void JerkPlan::forget_before(const MotionPlace& place) {
-  const Run& run = run_of(place);
-  std::uint64_t interval = run.end.interval;
-  if (place.phase == Phase::starting) interval = run.from.interval;
-  if (place.phase == Phase::driving) interval = window_.cells[place.cell].cell.interval;
-  if (place.phase == Phase::stopping) interval = run.stop.place.interval;
+  const std::uint64_t interval = first_interval_of(place);
   const std::uint64_t oldest = std::min(place.cell, window_.cells.end());
   if (window_.cells.first() < oldest) drop_behind(oldest - window_.cells.first());
   cutter_.forget_before(interval);

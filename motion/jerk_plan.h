@@ -46,8 +46,9 @@ struct PathMotion {
 
 class JerkPlan {
  public:
-  explicit JerkPlan(const JerkLimits& limits, std::size_t max_cells = 4096,
-                    std::size_t max_intervals = 4096);
+  /// With room for so many cells, and as many intervals, ahead of the motion and behind it. How far
+  /// it plans does not depend on what lies behind.
+  explicit JerkPlan(const JerkLimits& limits, std::size_t ahead = 4096, std::size_t behind = 0);
   ~JerkPlan();
   JerkPlan(JerkPlan&&) noexcept;
   JerkPlan& operator=(JerkPlan&&) noexcept;
@@ -150,6 +151,9 @@ class JerkPlan {
   [[nodiscard]] double duration_of(std::uint64_t index, const Run& run) const;
   [[nodiscard]] bool path_left() const;
   [[nodiscard]] double known_ahead() const;
+  [[nodiscard]] std::uint64_t first_interval_of(const MotionPlace& place) const;
+  [[nodiscard]] std::size_t free_cells() const;
+  [[nodiscard]] bool takes_intervals() const;
   [[nodiscard]] double distance_of(std::uint64_t index) const;
   void begin_at_standstill();
   void look_at(const PathInterval& interval);
@@ -168,7 +172,8 @@ class JerkPlan {
   void guess(std::uint64_t first);
   [[nodiscard]] double guess_forward(std::uint64_t index, double x, double way) const;
   bool run_rounds(std::uint64_t first, int rounds);
-  void slow_down_until_kept(std::uint64_t first);
+  bool slow_down_until_kept();
+  void flatten();
   void put_in_force(const Stop& stop);
   void end_run_at(const Stop& stop);
   void drop_cells_behind_stop();
@@ -183,6 +188,7 @@ class JerkPlan {
   void guess_braking();
   void take_over_trial(std::uint64_t first);
 
+  std::size_t most_ahead_;
   CellCutter cutter_;
   SpeedWindow window_;  ///< of the last run; the cells of earlier ones lie before it
   SpeedWindow trial_;   ///< of a hold

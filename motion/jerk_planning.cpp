@@ -27,7 +27,11 @@ constexpr double kGuessedPart = 0.5;
 constexpr double kGuessedSpeed = 0.9;
 constexpr double kGuessedStandstill = 0.3;
 
+/// A plan from rest that the rounds do not bring within the limits is slowed down, at most so often
+/// (to 1e-39 of it), after x at the ends of a cell has been brought below so many times its middle.
 constexpr double kSlower = 0.8;
+constexpr int kMostSlower = 400;
+constexpr double kSteepest = 2.5;
 
 /// Between two attempts that fail.
 constexpr std::uint64_t kCellsBeforeRetry = 8;
@@ -78,9 +82,9 @@ bool JerkPlan::plan_run() {
     if (try_plan_run(from_rest)) break;
     if (from_rest) {
       drop_last_run();
-      return false;
+    } else {
+      drop_cells_behind_stop();
     }
-    drop_cells_behind_stop();
     if (new_cells_ == kFewestNewCells) return false;
     new_cells_ = std::max(kFewestNewCells, new_cells_ / 2);
   }
@@ -100,8 +104,8 @@ bool JerkPlan::try_plan_run(bool from_rest) {
   guess(*first);
   window_.reset_weights(*first);
   if (!run_rounds(*first, kRounds)) {
-    if (!from_rest) return false;
-    slow_down_until_kept(*first);
+    const bool is_last_try = from_rest && new_cells_ == kFewestNewCells;
+    if (!is_last_try || !slow_down_until_kept()) return false;
   }
   put_in_force(stop);
   return true;
@@ -157,7 +161,7 @@ void JerkPlan::begin_next_run() {
 }
 
 void JerkPlan::cut() {
-  for (int i = 0; i < new_cells_ && window_.cells.free() > 0; ++i) {
+  for (int i = 0; i < new_cells_ && free_cells() > 0; ++i) {
     const auto cell = cutter_.next();
     if (!cell) return;
     push_cell(*cell);
@@ -260,10 +264,29 @@ bool JerkPlan::run_rounds(std::uint64_t first, int rounds) {
 }
 
 /// From standstill to standstill a slower motion breaks no limit that it kept before: acceleration
-/// goes with x and jerk with its power 1.5.
-void JerkPlan::slow_down_until_kept(std::uint64_t first) {
-  while (window_.usage(first) > kUsageOfPlan) {
+/// goes with x and jerk with its power 1.5. False when it does not help.
+bool JerkPlan::slow_down_until_kept() {
+  flatten();
+  const std::uint64_t first = window_.begin_cell;
+  for (int i = 0; i < kMostSlower; ++i) {
+    if (window_.usage(first) <= kUsageOfPlan) return true;
     for (std::uint64_t k = first; k != window_.cells.end(); ++k) window_.cells[k].x *= kSlower;
+  }
+  return false;
+}
+
+/// However slow, the jerk is judged by a tangent that leaves nothing where x at an end of a cell is
+/// three times that of its middle.
+void JerkPlan::flatten() {
+  auto& cells = window_.cells;
+  const auto limit = [](double& x, double neighbour, double part_of_x) {
+    x = std::min(x, neighbour * (1.0 + (kSteepest - 1.0) / part_of_x));
+  };
+  for (std::uint64_t i = window_.begin_cell + 1; i != cells.end(); ++i) {
+    limit(cells[i].x, cells[i - 1].x, cells[i].knot.behind);
+  }
+  for (std::uint64_t i = cells.end() - 1; i > window_.begin_cell; --i) {
+    limit(cells[i - 1].x, cells[i].x, cells[i].knot.before);
   }
 }
 

@@ -13,14 +13,11 @@ namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-constexpr std::size_t kMostCells = 8192;
-constexpr std::size_t kMostIntervals = 8192;
-
-/// How much may lie behind the motion, so that the rest is enough ahead of it; and how much a
-/// setpoint may add.
-constexpr std::uint64_t kMostCellsBehind = 4096;
+/// Cells of the plan ahead of the motion, and intervals of the path; how much of both may lie
+/// behind it where it can be sent back, and how much a setpoint may add.
+constexpr std::size_t kMostAhead = 4096;
+constexpr std::uint64_t kMostBehind = 4096;
 constexpr std::uint64_t kMostRunsBehind = 256;
-constexpr std::uint64_t kMostIntervalsBehind = 4096;
 constexpr std::uint64_t kMostCellsOfSetpoint = 256;
 
 /// Largest distance of a setpoint's cubic from the planned motion, mm: far below any step.
@@ -33,10 +30,12 @@ constexpr double kLeap = 0.01;
 /// Share of the jerk that the plan uses; these leaps may take the rest.
 constexpr double kShareOfJerk = 1.0 - kLeap;
 
-/// Setpoints are never shorter, s.
-constexpr double kSliver = 2e-5;
+/// Setpoints are never shorter, s, and none ends so shortly before the end of a cell: the next one
+/// would have to reach beyond, and the jerk may leap there.
+constexpr double kSliver = 5e-5;
 
-/// Of an axis without a limit of jerk, s.
+/// In which an axis reaches its acceleration, s, without a limit of jerk or with one that is
+/// higher: less would make cells so short that planning takes longer than the motion.
 constexpr double kShortestJerking = 1e-3;
 
 }  // namespace
@@ -44,10 +43,9 @@ constexpr double kShortestJerking = 1e-3;
 JerkLimits jerk_limits(const AxisLimits& limits) {
   JerkLimits result{limits.max_velocity, limits.max_acceleration, limits.max_jerk};
   for (const Axis axis : kAllAxes) {
-    if (!(result.jerk[axis] > 0.0)) {
-      result.jerk[axis] = limits.max_acceleration[axis] / kShortestJerking;
-    }
-    result.jerk[axis] *= kShareOfJerk;
+    const double most = limits.max_acceleration[axis] / kShortestJerking;
+    const double jerk = limits.max_jerk[axis];
+    result.jerk[axis] = kShareOfJerk * (jerk > 0.0 ? std::min(jerk, most) : most);
   }
   return result;
 }
@@ -62,16 +60,17 @@ PathInterval interval_of(const Piece& piece, double begin, double length) {
     interval.third = (end - interval.second) * (1.0 / length);
   }
   interval.feed = piece.kind == MoveKind::rapid ? kInfinity : piece.feed;
+  interval.measure = measure_of(piece.curve);
   interval.override = piece.override_kind();
   return interval;
 }
 
 JerkProfile::JerkProfile(const AxisLimits& limits, double max_duration, bool goes_back)
     : limits_(limits),
-      max_duration_(max_duration),
-      plan_(jerk_limits(limits), kMostCells, kMostIntervals),
-      pieces_(kMostIntervals),
-      parts_(kMostIntervals) {
+      max_duration_(max_duration - kSliver),
+      plan_(jerk_limits(limits), kMostAhead, goes_back ? kMostBehind : 0),
+      pieces_(kMostAhead + (goes_back ? kMostBehind : 0)),
+      parts_(kMostAhead + (goes_back ? kMostBehind : 0)) {
   limits_.max_jerk = jerk_limits(limits).jerk;
   if (goes_back) plan_.save();
 }
@@ -160,18 +159,17 @@ std::uint64_t JerkProfile::cells_since(const MotionPlace& place) const {
 
 bool JerkProfile::keeps_too_much(const ProfilePlace& oldest) const {
   const auto& place = std::get<MotionPlace>(oldest);
-  return cells_since(place) > kMostCellsBehind || plan_.place().run - place.run > kMostRunsBehind ||
-         plan_.motion().place.interval - plan_.motion_at(place).place.interval >
-             kMostIntervalsBehind;
+  return cells_since(place) > kMostBehind || plan_.place().run - place.run > kMostRunsBehind ||
+         plan_.motion().place.interval - plan_.motion_at(place).place.interval > kMostBehind;
 }
 
 bool JerkProfile::can_keep_more(const ProfilePlace& oldest) const {
   const auto& place = std::get<MotionPlace>(oldest);
-  return cells_since(place) + kMostCellsOfSetpoint <= kMostCellsBehind &&
+  return cells_since(place) + kMostCellsOfSetpoint <= kMostBehind &&
          plan_.place().run - place.run < kMostRunsBehind &&
          plan_.motion().place.interval - plan_.motion_at(place).place.interval +
                  kMostCellsOfSetpoint <=
-             kMostIntervalsBehind;
+             kMostBehind;
 }
 
 bool JerkProfile::can_go_on_alone() const { return plan_.held() || plan_.knows_enough(); }
@@ -200,14 +198,13 @@ void JerkProfile::prepare(bool held) {
 
 std::optional<Setpoint> JerkProfile::next(bool /*held*/) {
   if (plan_.standing()) return std::nullopt;
-  Setpoint setpoint = setpoint_of(longest_duration());
+  Setpoint setpoint = setpoint_of(without_sliver(longest_duration()));
   while (!follows(setpoint)) {
-    if (setpoint.duration > kShortestSetpoint) {
-      setpoint = setpoint_of(shorter_than(setpoint.duration));
+    if (setpoint.duration > kShortestSetpoint + kSliver) {
+      setpoint = setpoint_of(without_sliver(shorter_than(setpoint.duration)));
     } else {
       // Within a cell the jerk does not leap.
-      const double rest = plan_.time_in_cell();
-      if (rest > kSliver) setpoint = setpoint_of(std::min(setpoint.duration, rest));
+      setpoint = setpoint_of(std::min(setpoint.duration, time_to_end_of_cell()));
       break;
     }
   }
@@ -230,16 +227,32 @@ double JerkProfile::longest_duration() const {
   return time <= max_duration_ ? time : 0.5 * time;
 }
 
+/// To the first one that is no sliver away.
+double JerkProfile::time_to_end_of_cell() const {
+  double time = 0.0;
+  for (MotionPlace at = plan_.place(); at.phase != MotionPlace::Phase::standing && time <= kSliver;
+       at = plan_.behind_cell(at)) {
+    time += plan_.time_in_cell(at);
+  }
+  return time;
+}
+
 /// At the end of a cell where there is one, for the jerk may leap there; but no sliver.
 double JerkProfile::shorter_than(double duration) const {
   double time = 0.0;
   double best = 0.0;
-  const double most = 0.95 * duration;
+  const double most = 0.95 * duration - kSliver;
   for (MotionPlace at = plan_.place(); time <= most; at = plan_.behind_cell(at)) {
     best = time;
     time += plan_.time_in_cell(at);
   }
   return std::max(kShortestSetpoint, best > 0.25 * duration ? best : 0.5 * duration);
+}
+
+/// Longer where less than a sliver would be left of the cell.
+double JerkProfile::without_sliver(double duration) const {
+  const double rest = plan_.time_in_cell(plan_.after(plan_.place(), duration));
+  return rest < kSliver ? duration + rest : duration;
 }
 
 Setpoint JerkProfile::setpoint_of(double duration) const {
@@ -315,7 +328,7 @@ double JerkProfile::time_to_end() const {
     const PathInterval& interval = plan_.intervals()[i];
     const double machine = largest_along(interval.first, limits_.max_velocity);
     const double wanted =
-        interval.feed * overrides_.of(interval.override) / linear_length(interval.first);
+        interval.feed * overrides_.of(interval.override) / interval.speed_of(interval.first);
     time += std::max(0.0, interval.length - done) / std::min(machine, wanted);
     done = 0.0;
   }

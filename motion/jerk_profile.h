@@ -19,8 +19,8 @@ namespace cnc::motion {
 /// circle, and is 1e-4 of itself too small in the middle.
 inline constexpr double kArcStep = 0.03;
 
-/// What a plan may use of the axes. An axis without a limit of jerk in a machine with such limits
-/// reaches its acceleration in a millisecond.
+/// What a plan may use of the axes. None reaches its acceleration in less than a millisecond: an
+/// axis without a limit of jerk, in a machine with such limits, does so in that time.
 [[nodiscard]] JerkLimits jerk_limits(const AxisLimits& limits);
 
 class JerkProfile final : public Profile {
@@ -71,6 +71,8 @@ class JerkProfile final : public Profile {
   [[nodiscard]] bool follows(const Setpoint& setpoint) const;
   [[nodiscard]] double longest_duration() const;
   [[nodiscard]] double shorter_than(double duration) const;
+  [[nodiscard]] double without_sliver(double duration) const;
+  [[nodiscard]] double time_to_end_of_cell() const;
 
   AxisLimits limits_;
   double max_duration_;

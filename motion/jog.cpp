@@ -85,11 +85,11 @@ std::optional<Setpoint> JogPlanner::next() {
 }
 
 void JogPlanner::advance(Axis axis) {
-  Order& order = orders_[axis];
+  const Order& order = orders_[axis];
   double& p = position_[axis];
   double& v = velocity_[axis];
-  if (order.target == p && v == 0.0 && acceleration_[axis] == 0.0) order = {};
-  if (v == 0.0 && acceleration_[axis] == 0.0 && order.velocity == 0.0) return;
+  const bool has_arrived = order.target ? *order.target == p : order.velocity == 0.0;
+  if (v == 0.0 && acceleration_[axis] == 0.0 && has_arrived) return;
 
   const TravelRange& travel = travel_[axis];
   const bool upward = order.target.value_or(p + order.velocity) > p;

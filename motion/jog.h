@@ -39,20 +39,24 @@ class JogPlanner {
 
   /// To a position, at `speed` (> 0) at most; brought inside the travel. From any state of motion.
   Result<void> move_to(Axis axis, double position, double speed);
-  /// As much further as `distance`; counted from the target when still on the way to one.
+  /// As much further as `distance`; counted from the target when it has one.
   Result<void> move_by(Axis axis, double distance, double speed);
 
   /// All axes brake to a standstill.
   void stop();
 
-  /// The ticks that led on from here are void, orders stay: the next tick begins in the state that
-  /// an earlier one has ended with.
+  /// The ticks that led on from here are void, orders stay, also those that such a tick had carried
+  /// out: the next tick begins in the state that an earlier one has ended with.
   void go_back(const Position& position, const Position& velocity, const Position& acceleration);
 
   /// The next tick; nothing when every axis stands where it should.
   [[nodiscard]] std::optional<Setpoint> next();
 
   [[nodiscard]] bool standing() const;
+  /// It was told a velocity, not a position to go to.
+  [[nodiscard]] bool follows_velocity(Axis axis) const {
+    return orders_[axis].velocity != 0.0 && !orders_[axis].target;
+  }
   [[nodiscard]] const Position& position() const { return position_; }
   [[nodiscard]] const Position& velocity() const { return velocity_; }
 
@@ -61,7 +65,8 @@ class JogPlanner {
   bool set_position(const Position& position);
 
  private:
-  /// What an axis was told: a velocity, or the position to go to and the speed on the way.
+  /// What an axis was told: a velocity, or the position to go to and the speed on the way. It keeps
+  /// a position at which it has arrived.
   struct Order {
     double velocity = 0.0;
     std::optional<double> target;

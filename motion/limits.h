@@ -20,6 +20,16 @@ struct AxisLimits {
   }
 };
 
+/// Time in which an axis comes to rest from `speed`: v/a, and a/j more to build the braking up and
+/// to give it back; 2 sqrt(v/j) where it never reaches a.
+[[nodiscard]] inline double braking_time(const AxisLimits& limits, Axis axis, double speed) {
+  if (speed == 0.0) return 0.0;
+  const double a = limits.max_acceleration[axis];
+  const double j = limits.max_jerk[axis];
+  if (j == 0.0) return speed / a;
+  return speed * j < a * a ? 2.0 * std::sqrt(speed / j) : speed / a + a / j;
+}
+
 /// Largest factor that keeps |factor * direction| within `limit` on every axis; infinite for a
 /// direction of zero.
 [[nodiscard]] inline double largest_along(const Position& direction, const Position& limit) {

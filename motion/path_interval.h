@@ -4,6 +4,7 @@
 #include <cstdint>
 
 #include "config/axis.h"
+#include "motion/curve.h"
 #include "motion/overrides.h"
 
 namespace cnc::motion {
@@ -16,9 +17,9 @@ struct PathInterval {
   Position first;       ///< q' at its begin
   Position second;      ///< q'' at its begin
   Position third;       ///< q''', constant
-  /// Wanted speed in X Y Z, mm/s; of A B C, deg/s, where X Y Z rest; > 0. Infinite: as fast as the
-  /// axes can.
+  /// Wanted speed of what `measure` names, mm/s or deg/s; > 0. Infinite: as fast as the axes can.
   double feed = 0.0;
+  Measure measure = Measure::linear;
   Override override = Override::feed;
   std::uint64_t id = 0;  ///< the caller's
 
@@ -26,6 +27,10 @@ struct PathInterval {
     return first + u * second + (0.5 * u * u) * third;
   }
   [[nodiscard]] Position second_at(double u) const { return second + u * third; }
+  /// What the feed limits, of a velocity. A rotary move may move X Y Z by a residue of rounding.
+  [[nodiscard]] double speed_of(const Position& velocity) const {
+    return measure == Measure::linear ? linear_length(velocity) : rotary_length(velocity);
+  }
 };
 
 /// Limits of the third-order plan, per axis; each > 0 for every axis that may move.

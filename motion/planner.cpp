@@ -29,6 +29,10 @@ constexpr std::size_t kBatch = 64;
 /// curvature; that may leave the program by so much, mm.
 constexpr double kExactPath = 1e-3;
 
+/// So much is drawn in any case while it is not known whether setpoints count that were taken back,
+/// s: what the controller still has, with the answer on its way, must not end in motion.
+constexpr double kBridge = 0.1;
+
 /// Where the machine was before a setpoint was drawn.
 struct Mark {
   ProfilePlace place;
@@ -155,9 +159,11 @@ struct Planner::Impl {
     if (marks.empty()) return true;
     return marks.size() < settings.most_taken_back && profile->can_keep_more(marks.front().place);
   }
-  /// Until it is known which setpoints are executed, both ways on must stay possible.
+  /// Until it is known which setpoints are executed, both ways on must stay possible. What is known
+  /// of the path suffices for a hold; for anything else the plan slows down towards its end, which
+  /// is far away.
   [[nodiscard]] bool may_draw_unconfirmed() const {
-    return can_keep_more() && profile->can_go_on_alone();
+    return can_keep_more() && (held || profile->can_go_on_alone() || drawn_unconfirmed < kBridge);
   }
   void forget_path() {
     // Those that were taken back may count again.
@@ -192,7 +198,8 @@ struct Planner::Impl {
   Position queue_end;
   Ring<Mark> marks;  // one for each setpoint that may be taken back
   TakenBack taken_back;
-  bool unconfirmed = false;  // it is not known yet whether taken_back are executed
+  bool unconfirmed = false;        // it is not known yet whether taken_back are executed
+  double drawn_unconfirmed = 0.0;  // s, since then
 };
 
 Planner::Planner(const PlannerSettings& settings, const Position& start)
@@ -245,6 +252,7 @@ std::optional<Setpoint> Planner::next(Supply supply) {
   auto setpoint = profile.next(impl_->held);
   if (!setpoint) return std::nullopt;
   impl_->position = setpoint->position;
+  impl_->drawn_unconfirmed += setpoint->duration;
   impl_->keep(mark);
   return setpoint;
 }
@@ -283,6 +291,7 @@ bool Planner::take_back(std::size_t count) {
   taken.marks.clear();
   for (std::uint64_t i = taken.first; i != marks.end(); ++i) taken.marks.push_back(marks[i]);
   impl_->unconfirmed = true;
+  impl_->drawn_unconfirmed = 0.0;
   impl_->cut_marks(taken.first);
   profile.save();
   if (count > 0) impl_->go_back(taken.marks.front());

@@ -108,8 +108,9 @@ class Planner {
   //                                      └► revoke_take_back()    it was too late: they are
   //                                      executed
   //
-  // Until it is known which, next() goes no further along the path than it has been, or than is
-  // planned well ahead, and takes in nothing that was added since.
+  // Until it is known which, next() takes in nothing that was added since, and goes no further
+  // along the path than it has been, or than is planned well ahead; but it gives a tenth of a
+  // second, or all until a standstill, in any case.
 
   /// Whether setpoints can be taken back at all, and how many.
   [[nodiscard]] bool keeps_setpoints() const;

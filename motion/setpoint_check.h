@@ -14,9 +14,10 @@
 namespace cnc::motion {
 
 /// A planned setpoint keeps the limits but for rounding. The check lets a little more pass than the
-/// planner uses: it is there for faults, and stopping a cut for the last digit would be one.
+/// planner uses: it is there for faults, and stopping a cut for the last digit would be one, or for
+/// the micrometre by which an exact path with limits of jerk leaves the program at a corner.
 inline constexpr double kRateTolerance = 1e-3;    ///< part of a limit of rate
-inline constexpr double kTravelTolerance = 2e-4;  ///< mm or degrees beyond the travel
+inline constexpr double kTravelTolerance = 2e-3;  ///< mm or degrees beyond the travel
 
 class SetpointCheck {
  public:

@@ -68,11 +68,9 @@ double feed_x(const PathInterval& interval, double start, double h) {
   const Position at_start = interval.first_at(start);
   const Position middle = at_start + 0.5 * h * interval.second_at(start);
   const Position at_end = interval.first_at(start + h);
-  const double linear =
-      std::max({linear_length(at_start), linear_length(middle), linear_length(at_end)});
-  const double rotary =
-      std::max({rotary_length(at_start), rotary_length(middle), rotary_length(at_end)});
-  const double speed = interval.feed / (linear > 0.0 ? linear : rotary);
+  const double speed =
+      interval.feed /
+      std::max({interval.speed_of(at_start), interval.speed_of(middle), interval.speed_of(at_end)});
   return speed * speed;
 }
 
@@ -150,15 +148,15 @@ SpeedCell make_cell(const PathInterval& interval, double start, double length,
 }
 
 double usage_of(const SpeedCell& cell, const CellX& x) {
-  if (!(std::min({x[0], x[1], x[2]}) > 0.0)) return kInfinity;
+  if (!(x[0] > 0.0 && x[1] > 0.0 && x[2] > 0.0)) return kInfinity;
   const JerkBound bound(x);
   double most = 0.0;
   for (std::size_t axis = 0; axis < cell.axes; ++axis) {
     const AxisRows& rows = cell.rows[axis];
     for (std::size_t i = 0; i < 3; ++i) {
-      most = std::max(most, std::abs(dot(rows.acceleration[i], x)));
+      most = larger(most, std::abs(dot(rows.acceleration[i], x)));
       const double slack = bound.at(x, i) - std::abs(dot(rows.jerk[i], x));
-      most = std::max(most, 1.0 - slack / bound.root);
+      most = larger(most, 1.0 - slack / bound.root);
     }
   }
   return most;

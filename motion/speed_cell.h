@@ -80,7 +80,11 @@ inline constexpr double kUsageOfPlan = 1.0 + 0.5 * kThirdOrderReserve;
 [[nodiscard]] SpeedCell make_cell(const PathInterval& interval, double start, double length,
                                   const JerkLimits& limits);
 
-/// Largest part of the acceleration and jerk limits (less the reserve) that is used.
+/// The larger one; not a number if one of them is none.
+[[nodiscard]] inline double larger(double a, double b) { return a > b || std::isnan(a) ? a : b; }
+
+/// Largest part of the acceleration and jerk limits (less the reserve) that is used; infinite or
+/// not a number where x is not positive and finite.
 [[nodiscard]] double usage_of(const SpeedCell& cell, const CellX& x);
 
 /// Gradient and curvature of a function of a cell's x.

@@ -72,8 +72,8 @@ void SpeedWindow::Goal::add_cost(const CellX& x, double third, CellModel& model)
 }
 
 SpeedWindow::SpeedWindow(std::size_t max_cells)
-    : cells(max_cells), goals_(max_cells), gradient_(max_cells), step_(max_cells) {
-  for (auto& diagonal : diagonal_) diagonal.resize(max_cells);
+    : cells(max_cells), goals_(cells.free()), gradient_(cells.free()), step_(cells.free()) {
+  for (auto& diagonal : diagonal_) diagonal.resize(cells.free());
 }
 
 CellX SpeedWindow::x_of(std::uint64_t index) const { return moved_x(index, cells.end(), 0.0); }
@@ -144,14 +144,15 @@ SpeedWindow::Goal SpeedWindow::goal_of(std::uint64_t index) const {
 double SpeedWindow::usage_of(std::uint64_t index) const {
   const CellX x = x_of(index);
   const Three most = most_x(index);
-  return std::max(
-      {motion::usage_of(cells[index].cell, x), x[0] / most[0], x[1] / most[1], x[2] / most[2]});
+  double used = motion::usage_of(cells[index].cell, x);
+  for (std::size_t i = 0; i < 3; ++i) used = larger(used, x[i] / most[i]);
+  return used;
 }
 
 double SpeedWindow::usage(std::uint64_t first) const {
   double worst = 0.0;
   for (std::uint64_t i = first_touched(first); i != cells.end(); ++i) {
-    worst = std::max(worst, usage_of(i));
+    worst = larger(worst, usage_of(i));
   }
   return worst;
 }
@@ -229,7 +230,7 @@ double SpeedWindow::merit(std::uint64_t first, double part) const {
   for (std::uint64_t i = touched; i != cells.end(); ++i) {
     const Goal& goal = goals_[i - touched];
     const CellX x = moved_x(i, first, part);
-    if (!(std::min({x[0], x[1], x[2]}) > 0.0)) return kInfinity;
+    if (!(x[0] > 0.0 && x[1] > 0.0 && x[2] > 0.0)) return kInfinity;
     sum += goal.cost(x, cells[i].cell.length / 3.0) + barrier(cells[i].cell, x, goal.defence);
   }
   return sum;
@@ -255,7 +256,7 @@ bool SpeedWindow::improve(std::uint64_t first) {
   bool settled = true;
   for (std::uint64_t i = touched; i != cells.end(); ++i) {
     PlannedCell& planned = cells[i];
-    if (i >= first) planned.x += part * step_[i - first];
+    if (i >= first && part > 0.0) planned.x += part * step_[i - first];
     settled = settled && planned.weight <= kLeastWeight && planned.least <= kLeastLeast;
     if (part < kPartThatCounts) continue;
     planned.weight =

@@ -87,7 +87,8 @@ class SpeedWindow {
   /// One Newton step for the middle coefficients [first, end). False when there is nothing left to
   /// gain.
   bool improve(std::uint64_t first);
-  /// The largest part of a limit (less the reserve) that is used from cell `first` on.
+  /// The largest part of a limit (less the reserve) that is used from cell `first` on; not a number
+  /// if x is none anywhere.
   [[nodiscard]] double usage(std::uint64_t first) const;
 
  private:

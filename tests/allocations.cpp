@@ -7,9 +7,11 @@
 namespace {
 
 std::atomic<std::size_t> count{0};
+thread_local std::size_t count_of_this_thread = 0;
 
 void* allocate(std::size_t size, std::size_t alignment) noexcept {
   count.fetch_add(1, std::memory_order_relaxed);
+  ++count_of_this_thread;
   const std::size_t whole = (size + alignment - 1) / alignment * alignment;
   return alignment > alignof(std::max_align_t) ? std::aligned_alloc(alignment, whole)
                                                : std::malloc(size);
@@ -43,5 +45,6 @@ void operator delete(void* memory, std::align_val_t, const std::nothrow_t&) noex
 namespace cnc::test {
 
 std::size_t allocations() { return count.load(); }
+std::size_t allocations_of_this_thread() { return count_of_this_thread; }
 
 }  // namespace cnc::test

@@ -8,4 +8,7 @@ namespace cnc::test {
 /// How often any thread has allocated so far.
 [[nodiscard]] std::size_t allocations();
 
+/// And the calling one.
+[[nodiscard]] std::size_t allocations_of_this_thread();
+
 }  // namespace cnc::test

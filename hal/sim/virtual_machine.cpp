@@ -148,8 +148,8 @@ void VirtualMachine::drive_spindle() {
 Inputs VirtualMachine::inputs(Ticks now) {
   pass_time(board_start_ + now);
   Inputs result = wired_;
-  result.estop1 = estop1_pressed_;
-  result.estop2 = estop2_pressed_;
+  result.estop1 = estop1_.pressed();
+  result.estop2 = estop2_.pressed();
   read_axes(result);
   if (door_) read_door(result);
   read_sensors(result);

@@ -16,7 +16,8 @@
 // and direction outputs say; at full PWM it makes the configured highest speed.
 //
 // Everything can fail, by hand or by a scenario's events. The same options, steps and times give
-// the same machine, to the last bounce of a switch. Not thread-safe.
+// the same machine, to the last bounce of a switch. One thread; only the first estop button may be
+// pressed from another.
 #pragma once
 
 #include <functional>
@@ -30,6 +31,7 @@
 #include "hal/sim/contact.h"
 #include "hal/sim/loop_back.h"
 #include "hal/sim/machine_options.h"
+#include "hal/sim/push_button.h"
 #include "hal/sim/touch_surface.h"
 #include "hal/sim/virtual_motor.h"
 
@@ -42,8 +44,9 @@ class VirtualMachine final : public cpu5::firmware::BoardIo {
   VirtualMachine(const config::MachineConfig& config, const MachineOptions& options);
 
   // The operator's hands and the wiring. Everything stays as it is put.
-  void press_estop(bool pressed) { estop1_pressed_ = pressed; }
-  void press_estop2(bool pressed) { estop2_pressed_ = pressed; }
+  /// Any thread.
+  void press_estop(bool pressed) { estop1_.press(pressed); }
+  void press_estop2(bool pressed) { estop2_.press(pressed); }
   void raise_external_error(bool raised) { wired_.external_error = raised; }
   void open_door(bool open);
   /// `port` as hal::port_bit() counts. Either this, the loop-back, or what is wired to the port
@@ -77,7 +80,7 @@ class VirtualMachine final : public cpu5::firmware::BoardIo {
   [[nodiscard]] bool home_switch(Axis axis) const {
     return motors_[axis].switch_on(VirtualMotor::Switch::home);
   }
-  [[nodiscard]] bool estop_pressed() const { return estop1_pressed_; }
+  [[nodiscard]] bool estop_pressed() const { return estop1_.pressed(); }
   [[nodiscard]] bool door_open() const { return door_open_; }
   [[nodiscard]] bool probe_touches() const;
   [[nodiscard]] double tool_length() const { return tool_length_; }
@@ -139,8 +142,8 @@ class VirtualMachine final : public cpu5::firmware::BoardIo {
   std::optional<DoorOptions> door_;
   Contact door_contact_;
   bool door_open_ = false;
-  bool estop1_pressed_ = false;
-  bool estop2_pressed_ = false;
+  PushButton estop1_;
+  PushButton estop2_;
   std::uint8_t raised_alarms_ = 0;
   cpu5::firmware::PortBits present_ports_ = 0;
   cpu5::firmware::Inputs wired_;  // what does not come from the machine itself

@@ -1,4 +1,6 @@
+#include <algorithm>
 #include <cmath>
+#include <deque>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 
@@ -111,11 +113,47 @@ void print_text(const config::MachineConfig& config, const Report& report) {
 
 Result<void> write_trace(const std::filesystem::path& path, const hal::trace::Ring& ring,
                          const config::MachineConfig& config) {
-  hal::trace::About about = about_machine(config, {}, "virtual board of cncsim");
+  hal::trace::About about = about_machine(config, "virtual board of cncsim");
   about.reason = "asked_for";
   about.written = utc_text(std::chrono::system_clock::now());
   return config::write_file_atomically(path, hal::trace::trace_bytes(about, ring.copy()));
 }
+
+/// What the machine was told, without what a cut has taken back (homing, at its switch): that is
+/// dropped before statistics and recording see it.
+class Commanded {
+ public:
+  explicit Commanded(TrajectoryRecorder* recorder) : recorder_(recorder) {}
+
+  void add(const motion::Setpoint& setpoint) {
+    last_.push_back(setpoint);
+    if (last_.size() > kMostTakenBack) give_first();
+  }
+  void cut(std::size_t count) { last_.resize(last_.size() - std::min(count, last_.size())); }
+  void restart(const Position& position) {
+    while (!last_.empty()) give_first();
+    statistics_.restart(position);
+    if (recorder_ != nullptr) recorder_->restart(position);
+  }
+  /// At the end.
+  [[nodiscard]] const TrajectorySummary& summary() {
+    while (!last_.empty()) give_first();
+    return statistics_.summary();
+  }
+
+ private:
+  static constexpr std::size_t kMostTakenBack = 8192;  // more than link and board hold together
+
+  void give_first() {
+    statistics_.add(last_.front());
+    if (recorder_ != nullptr) recorder_->add(last_.front());
+    last_.pop_front();
+  }
+
+  TrajectoryRecorder* recorder_;
+  TrajectoryStatistics statistics_{Position{}};
+  std::deque<motion::Setpoint> last_;
+};
 
 }  // namespace
 
@@ -147,15 +185,10 @@ ExitCode run_command(const RunOptions& options) {
                                            .period = kCycle,
                                            .trace = trace ? &*trace : nullptr});
   Machine& machine = simulation.machine();
-  TrajectoryStatistics statistics{Position{}};
-  machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) {
-    statistics.add(setpoint);
-    if (recorder) recorder->add(setpoint);
-  });
-  machine.set_restart_listener([&](const Position& position) {
-    statistics.restart(position);
-    if (recorder) recorder->restart(position);
-  });
+  Commanded commanded(recorder ? &*recorder : nullptr);
+  machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) { commanded.add(setpoint); });
+  machine.set_cut_listener([&](std::size_t count) { commanded.cut(count); });
+  machine.set_restart_listener([&](const Position& position) { commanded.restart(position); });
 
   simulation.cycle_until(State::needs_reset);
   machine.reset([](const Result<void>&) {});
@@ -166,7 +199,7 @@ ExitCode run_command(const RunOptions& options) {
   run_job(simulation);
 
   Report report;
-  report.trajectory = statistics.summary();
+  report.trajectory = commanded.summary();
   report.simulated_time = simulation.time() - begin;
   report.lines = (*program)->line_count();
   report.messages = simulation.log().after(0);

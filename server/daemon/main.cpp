@@ -11,6 +11,7 @@
 #include <spdlog/spdlog.h>
 #include <unistd.h>
 
+#include "config/config_checks.h"
 #include "hal/cpu5/driver/board_address.h"
 #include "hal/cpu5/driver/wire_port.h"
 #include "hal/sim/virtual_controller.h"
@@ -96,45 +97,52 @@ void stop_machine(TaskThread& executor, Machine& machine) {
 struct Board {
   std::unique_ptr<hal::Controller> controller;
   std::string name;
-  hal::cpu5::DriverSettings driver;
   std::function<void(bool)> press_estop{};
 };
 
 Result<Board> make_virtual_board(const std::filesystem::path& scenario_file,
-                                 const config::MachineConfig& config,
-                                 const hal::cpu5::DriverSettings& driver) {
+                                 const config::MachineConfig& config) {
   auto scenario = scenario_of(scenario_file, config);
   if (!scenario) return std::unexpected(scenario.error());
   auto controller =
       hal::sim::make_virtual_controller(config, {.machine = std::move(scenario->machine),
-                                                 .driver = driver,
+                                                 .driver = hal::cpu5::driver_settings(config),
                                                  .link = scenario->link,
                                                  .events = std::move(scenario->events)});
   auto& machine = controller->machine();
-  return Board{std::move(controller), "virtual CPU5 board", driver,
+  return Board{std::move(controller), "virtual CPU5 board",
                [&machine](bool pressed) { machine.press_estop(pressed); }};
 }
 
-Result<Board> make_board(const Options& options, const config::MachineConfig& config) {
-  hal::cpu5::DriverSettings driver{.max_step_frequency =
-                                       static_cast<double>(config.connection.max_step_frequency)};
+/// What becomes of the way to a real board is told as it happens.
+Result<Board> make_board(const Options& options, const config::MachineConfig& config,
+                         MessageLog& log) {
   const std::string& address = options.board.empty() ? config.connection.board : options.board;
-  if (address == "virtual") return make_virtual_board(options.scenario, config, driver);
+  if (address == "virtual") return make_virtual_board(options.scenario, config);
   if (!options.scenario.empty())
     return fail(ErrorCode::config_bad_value,
                 fmt::format("A scenario is for the virtual board only; the board is {}.", address));
-  driver.host_timeout = config.connection.host_timeout;
-  auto channel = hal::cpu5::make_channel(address);
+  for (const Error& caution : config::find_cautions(config))
+    log.add(Severity::warning, caution.to_string());
+  auto channel = hal::cpu5::make_channel(
+      address, config.connection.local_address, [&log](const Result<std::string>& way) {
+        if (way) return log.add(Severity::info, "The way to the controller board: " + *way + ".");
+        log.add(Severity::warning, way.error().to_string() + " The server goes on trying.");
+      });
   if (!channel) return std::unexpected(channel.error());
   const std::string name = "CPU5 board at " + (*channel)->name();
   auto port = std::make_unique<hal::cpu5::WirePort>(std::move(*channel), hal::cpu5::WireSettings{});
-  return Board{std::make_unique<hal::cpu5::Cpu5Driver>(config, driver, std::move(port)), name,
-               driver};
+  return Board{std::make_unique<hal::cpu5::Cpu5Driver>(config, hal::cpu5::driver_settings(config),
+                                                       std::move(port)),
+               name};
 }
 
-/// A board that is silent or busy may be there later: the link goes on trying.
+/// A board that is off, not found, busy or of another kind may be there later, or another in its
+/// place: the link goes on trying, and the machine says what it waits for. A configuration that no
+/// board can follow ends the start.
 bool may_come_later(const Error& error) {
-  return error.code == ErrorCode::board_silent || error.code == ErrorCode::board_busy;
+  return error.code != ErrorCode::axis_steps_per_unit_unusable &&
+         error.code != ErrorCode::step_frequency_too_high;
 }
 
 int serve(const Options& options) {
@@ -146,17 +154,15 @@ int serve(const Options& options) {
     return EXIT_FAILURE;
   }
 
-  auto board = make_board(options, data->config);
+  MessageLog log;
+  auto board = make_board(options, data->config, log);
   if (!board) return report(board.error());
-  if (auto connected = board->controller->connect(); !connected) {
-    if (!may_come_later(connected.error())) return report(connected.error());
-    spdlog::warn("{} It is tried again.", connected.error().to_string());
-  }
+  hal::Controller& controller = *board->controller;
 
   const Epoch epoch = std::chrono::steady_clock::now();
-  MessageLog log;
+  data->clock = [epoch] { return seconds_since(epoch); };
   hal::trace::Ring trace;
-  TraceKeeper trace_keeper(trace, log, about_machine(data->config, board->driver, board->name),
+  TraceKeeper trace_keeper(trace, log, about_machine(data->config, board->name),
                            {.folder = std::filesystem::absolute(options.data) / kTraceFolder});
   Link link(std::make_unique<hal::trace::TracedController>(std::move(board->controller), trace));
   Machine machine(std::move(*data), link, log);
@@ -167,11 +173,15 @@ int serve(const Options& options) {
   TaskThread files;
   TaskThread fanout;
   TaskThread executor;
-  LinkThread link_thread(link, epoch, kLinkPeriod);
   const std::string executor_refused = executor.request_priority(kExecutorPriority);
+  static_cast<void>(lock_memory());  // most of it, as long as nobody waits
+  // Last of all: from now on the board misses a server that is silent.
+  if (auto connected = controller.connect(); !connected && !may_come_later(connected.error()))
+    return report(connected.error());
+  LinkThread link_thread(link, epoch, kLinkPeriod);
+  const std::string memory_refused = lock_memory();  // with the thread's stack
   const std::string& priority_refused =
       executor_refused.empty() ? link_thread.priority_refused() : executor_refused;
-  const std::string memory_refused = lock_memory();
 
   rpc::Host host{machine,
                  executor,

@@ -21,6 +21,7 @@ void JobAnalysis::work(std::stop_token stop) {
   const std::stop_callback forward(stop, [&] { cancel = true; });
   interp::CheckOptions options;
   options.cancel = &cancel;
+  options.begins_with = input_.begins_with;
   JobFindings found;
   found.report = interp::check(input_.program, interpreter_settings(input_.config, input_.macros),
                                input_.parameters, input_.tools, input_.start, options);

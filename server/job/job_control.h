@@ -88,6 +88,7 @@ class JobControl {
   void follow_surface_speed();
   [[nodiscard]] const Error& error() const { return *error_; }
   [[nodiscard]] bool active() const { return active_; }
+  [[nodiscard]] bool probing() const { return probe_.active(); }
 
   void set_overrides(const Overrides& overrides);
   [[nodiscard]] const Overrides& overrides() const { return overrides_; }

@@ -10,6 +10,12 @@
 #include "server/job/travel_limits.h"
 
 namespace cnc::server {
+namespace {
+
+/// A line along which the spindle changes its speed (G96) has so many feeds per revolution (G95).
+constexpr int kPartsOfFacing = 64;
+
+}  // namespace
 
 /// Whoever only renders a program lets a probe move run to its end.
 bool JobRunner::is_motion(const interp::CommandBody& body) const {
@@ -27,7 +33,10 @@ void JobRunner::queue_thread(bool goes_on) {
 
 Result<void> JobRunner::queue_sync_move(const interp::Command& command, bool goes_on) {
   const auto& move = std::get<interp::SyncMove>(command.body);
-  const double rpm = mode_ == interp::RunMode::run ? measured_speed_ : 60.0 * turns_per_second();
+  const double rpm =
+      mode_ == interp::RunMode::run
+          ? measured_speed_
+          : 60.0 * turns_per_second(motion::extents_of_line(planner_.queue_end(), move.end));
   motion::MoveOptions options = options_for(command, motion::MoveKind::feed);
   options.feed = move.pitch * rpm / 60.0;
   options.follows_override = false;
@@ -65,8 +74,17 @@ Result<void> JobRunner::queue_motion(const interp::Command& command) {
 
 Result<void> JobRunner::queue_feed_line(const interp::Command& command, const Position& end) {
   motion::MoveOptions options = options_for(command, motion::MoveKind::feed);
-  options.feed = feed_of_line(end);
-  return queue_line(end, options);
+  const Position start = planner_.queue_end();
+  const bool stops = std::exchange(options.stop_at_end, false);
+  const int parts = feed_depends_on_radius() && start[Axis::X] != end[Axis::X] ? kPartsOfFacing : 1;
+  for (int part = 1; part <= parts; ++part) {
+    const bool is_last = part == parts;
+    const Position to = is_last ? end : start + (end - start) * (1.0 / parts * part);
+    options.feed = feed_of_line(to);
+    options.stop_at_end = stops && is_last;
+    if (auto queued = queue_line(to, options); !queued) return queued;
+  }
+  return {};
 }
 
 Result<void> JobRunner::queue_line(const Position& end, const motion::MoveOptions& options) {
@@ -83,8 +101,8 @@ Result<void> JobRunner::queue_line(const Position& end, const motion::MoveOption
 Result<void> JobRunner::queue_arc(const motion::ArcShape& shape, motion::MoveOptions options) {
   const auto arc = motion::make_arc(planner_.queue_end(), shape);
   if (!arc) return std::unexpected(arc.error());
-  if (feed_depends_on_way()) options.feed = feed_along(*arc);
   const auto extents = motion::extents_of_arc(*arc);
+  if (feed_depends_on_way()) options.feed = feed_along(*arc, extents);
   if (auto inside = check_space(extents); !inside) return inside;
   if (guards_tool_change_) {
     if (auto clear = check_tool_change_area(config_.tool_change_area, extents); !clear)
@@ -96,17 +114,20 @@ Result<void> JobRunner::queue_arc(const motion::ArcShape& shape, motion::MoveOpt
 /// Where the program runs along the end of the travel, a smoothed path must not swing out of it.
 motion::MoveOptions JobRunner::beside_limits(motion::MoveOptions options,
                                              const motion::Extents& extents) const {
-  options.tolerance = tolerance_within_travel(config_, extents, options.tolerance);
+  options.tolerance = tolerance_within_travel(config_, with_height_map(extents), options.tolerance);
   return options;
 }
 
 /// MCAGuard off concerns rendering only: a run never leaves the travel.
 Result<void> JobRunner::check_space(const motion::Extents& extents) const {
   if (!guards_machine_ && mode_ != interp::RunMode::run) return {};
-  motion::Extents space = extents;
-  space.min[Axis::Z] += lowest_added_;
-  space.max[Axis::Z] += highest_added_;
-  return check_travel(config_, space);
+  return check_travel(config_, with_height_map(extents));
+}
+
+motion::Extents JobRunner::with_height_map(motion::Extents extents) const {
+  extents.min[Axis::Z] += lowest_added_;
+  extents.max[Axis::Z] += highest_added_;
+  return extents;
 }
 
 motion::MoveOptions JobRunner::options_for(const interp::Command& command, motion::MoveKind kind) {
@@ -123,19 +144,28 @@ motion::MoveOptions JobRunner::options_for(const interp::Command& command, motio
   return options;
 }
 
-/// Of the spindle where the tool is. The turning axis is at work X = 0.
-double JobRunner::turns_per_second() const {
+/// Of the spindle where the tool is furthest from the turning axis, which is at work X = 0: there
+/// it turns slowest.
+double JobRunner::turns_per_second(const motion::Extents& extents) const {
   constexpr double kSecondsPerMinute = 60.0;
-  double rpm = spindle_speed_;
+  double rpm = std::min(spindle_speed_, config_.spindle.max_speed);
   if (surface_speed_) {
-    const double radius = std::abs(interpreter_.to_work(planner_.queue_end())[Axis::X]);
+    const double axis = interpreter_.total_offset()[Axis::X];
+    const double radius =
+        std::max(std::abs(extents.min[Axis::X] - axis), std::abs(extents.max[Axis::X] - axis));
     rpm = surface_rpm(*surface_speed_, radius, config_.spindle.max_speed);
   }
   return rpm / kSecondsPerMinute;
 }
 
+bool JobRunner::feed_depends_on_radius() const {
+  return feed_.mode == interp::FeedMode::per_revolution && surface_speed_.has_value();
+}
+
 double JobRunner::feed_of_line(const Position& end) const {
-  return feed_depends_on_way() ? feed_along(motion::Line(planner_.queue_end(), end)) : feed_.feed;
+  if (!feed_depends_on_way()) return feed_.feed;
+  const Position start = planner_.queue_end();
+  return feed_along(motion::Line(start, end), motion::extents_of_line(start, end));
 }
 
 /// Per minute F is the feed itself, unless it is that of the tip over a turning work piece.
@@ -146,12 +176,12 @@ bool JobRunner::feed_depends_on_way() const {
 
 /// The feed along the path, per second of what its length measures. Inverse time: the whole move
 /// takes 1/F. With a fourth axis the tip's mean speed on the work piece is F.
-double JobRunner::feed_along(const motion::Curve& curve) const {
+double JobRunner::feed_along(const motion::Curve& curve, const motion::Extents& extents) const {
   const double length = motion::length_of(curve);
   if (length == 0.0) return feed_.feed;  // the move vanishes
   if (feed_.mode == interp::FeedMode::inverse_time) return feed_.feed * length;
-  const double feed =
-      feed_.mode == interp::FeedMode::per_revolution ? feed_.feed * turns_per_second() : feed_.feed;
+  const bool per_revolution = feed_.mode == interp::FeedMode::per_revolution;
+  const double feed = per_revolution ? feed_.feed * turns_per_second(extents) : feed_.feed;
   const double way = tip_way(curve);
   if (feed * length >= motion::kLargestFeed * way) return motion::kLargestFeed;
   return feed * length / way;

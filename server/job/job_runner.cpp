@@ -39,6 +39,7 @@ void JobRunner::start(std::shared_ptr<const interp::Program> program, const Posi
   planner_.set_position(position);
   program_ = program;
   interpreter_.start(std::move(program), position, {.mode = mode});
+  take_modes(interpreter_.modal());
   running_ = true;
   program_over_ = false;
   last_move_ = 0;
@@ -47,6 +48,15 @@ void JobRunner::start(std::shared_ptr<const interp::Program> program, const Posi
   guards_machine_ = guards_tool_change_ = true;
   thread_move_.reset();
   in_thread_ = false;
+}
+
+/// What the program finds in force is not said again.
+void JobRunner::take_modes(const interp::ModalState& modal) {
+  feed_ = {modal.feed_mode, modal.feed};
+  path_mode_ = modal.path;
+  spindle_speed_ = modal.speed;
+  surface_speed_.reset();
+  if (modal.speed_by_surface) surface_speed_ = {modal.surface_speed, modal.max_speed};
 }
 
 void JobRunner::abandon() {

@@ -94,6 +94,7 @@ class JobRunner {
   [[nodiscard]] bool running() const { return running_; }
 
  private:
+  void take_modes(const interp::ModalState& modal);
   void fill_planner();
   [[nodiscard]] std::optional<motion::Setpoint> draw();
   [[nodiscard]] std::optional<motion::Setpoint> draw(motion::Supply supply);
@@ -119,9 +120,11 @@ class JobRunner {
   [[nodiscard]] Result<void> check_space(const motion::Extents& extents) const;
   [[nodiscard]] double feed_of_line(const Position& end) const;
   [[nodiscard]] bool feed_depends_on_way() const;
-  [[nodiscard]] double feed_along(const motion::Curve& curve) const;
+  [[nodiscard]] double feed_along(const motion::Curve& curve, const motion::Extents& extents) const;
   [[nodiscard]] double tip_way(const motion::Curve& curve) const;
-  [[nodiscard]] double turns_per_second() const;
+  [[nodiscard]] double turns_per_second(const motion::Extents& extents) const;
+  [[nodiscard]] bool feed_depends_on_radius() const;
+  [[nodiscard]] motion::Extents with_height_map(motion::Extents extents) const;
   void fail_with(Error error, interp::SourceLine source);
   [[nodiscard]] bool item_is_due() const;
 

@@ -50,6 +50,7 @@ std::optional<Error> run_through(const PredictionInput& input, PathQueue& path,
   config::ToolTable tools = input.tools;
   interp::Interpreter interpreter(interpreter_settings(input.config, input.macros), parameters,
                                   tools);
+  if (input.begins_with) interpreter.set_state(*input.begins_with);
   motion::Planner planner(planner_settings(input.config), input.start,
                           std::make_unique<PathRelay>(path));
   JobRunner runner(input.config, interpreter, planner, JobRunner::Detail::times);

@@ -16,6 +16,7 @@
 #include "config/machine_config.h"
 #include "config/parameter_store.h"
 #include "config/tool_table.h"
+#include "interpreter/machine_state.h"
 #include "interpreter/sources.h"
 #include "motion/planner.h"
 
@@ -57,6 +58,8 @@ struct PredictionInput {
   config::ToolTable tools;
   Position start;
   interp::Library macros{};
+  /// What the program finds in force; the modes of power-up where it is not said.
+  std::optional<interp::MachineState> begins_with{};
 };
 
 /// Runs the job without a machine. Prompts are answered "go on". Nothing when `stop` is requested:

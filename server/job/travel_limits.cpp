@@ -102,7 +102,9 @@ double tolerance_within_travel(const config::MachineConfig& config, const motion
   double room = tolerance;
   for (const Axis axis : kAllAxes) {
     const config::AxisConfig& limits = config.axes[axis];
-    if (!limits.connected()) continue;
+    // A slave goes where its master does; a rotary axis that rests is not part of the curve.
+    const bool rests = is_rotary(axis) && extents.min[axis] == extents.max[axis];
+    if (!limits.programmable() || rests) continue;
     room = std::min({room, extents.min[axis] - limits.negative_limit,
                      limits.positive_limit - extents.max[axis]});
   }

@@ -8,13 +8,12 @@
 
 namespace cnc::server {
 
-hal::trace::About about_machine(const config::MachineConfig& config,
-                                const hal::cpu5::DriverSettings& driver, std::string board) {
+hal::trace::About about_machine(const config::MachineConfig& config, std::string board) {
   return {.reason = {},
           .written = {},
           .server = kServerVersion,
           .board = std::move(board),
-          .driver = driver,
+          .driver = hal::cpu5::driver_settings(config),
           .config = config::machine_config_text(config)};
 }
 

@@ -13,7 +13,6 @@ namespace cnc::server {
 
 /// Without reason and time.
 [[nodiscard]] hal::trace::About about_machine(const config::MachineConfig& config,
-                                              const hal::cpu5::DriverSettings& driver,
                                               std::string board);
 
 /// "2026-05-01T12:30:05.123Z"

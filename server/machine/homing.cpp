@@ -5,13 +5,9 @@
 #include <fmt/format.h>
 #include <utility>
 
-#include "server/job/settings.h"
-
 namespace cnc::server {
 namespace {
 
-/// Seconds of motion under way: how far an axis runs on behind its switch at full homing speed.
-constexpr double kLead = 0.06;
 /// The way off the switch is slower than the way to it. The latch is exact at any speed; this only
 /// keeps the mechanics quiet at the instant that counts.
 constexpr double kReleaseRate = 0.25;
@@ -27,9 +23,7 @@ double travel_of(const config::AxisConfig& axis) {
 }  // namespace
 
 Homing::Homing(const config::MachineConfig& config, MotionFeed& feed)
-    : config_(config),
-      feed_(feed),
-      planner_(feed.limits(), config.trajectory.interpolation_time, Position{}) {}
+    : config_(config), feed_(feed), motion_(config, feed) {}
 
 std::vector<Axis> Homing::default_order(const config::MachineConfig& config) {
   std::vector<Axis> order{Axis::Z, Axis::X, Axis::Y, Axis::A, Axis::B, Axis::C};
@@ -40,9 +34,7 @@ std::vector<Axis> Homing::default_order(const config::MachineConfig& config) {
 void Homing::start(std::vector<Axis> axes) {
   axes_ = std::move(axes);
   error_.reset();
-  planner_ =
-      motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
-  feed_.begin_motion({});
+  motion_.begin({});
   phase_ = Phase::next_axis;
 }
 
@@ -55,25 +47,19 @@ void Homing::stop() {
 void Homing::drop() {
   phase_ = Phase::idle;
   axes_.clear();
-  planner_ =
-      motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
+  motion_.drop();
 }
 
 std::optional<Axis> Homing::cycle() {
   const std::optional<Axis> homed = advance();
-  while (active() && feed_.wants_more(kLead)) {
-    const auto setpoint = planner_.next();
-    if (!setpoint) break;
-    if (auto sent = feed_.emit(*setpoint); !sent) {
-      error_ = std::move(sent.error());
-      feed_.quick_stop();
-      drop();
-    }
+  if (!active()) return homed;
+  if (auto moved = motion_.cycle(); !moved) {
+    error_ = std::move(moved.error());
+    feed_.quick_stop();
+    drop();
   }
   return homed;
 }
-
-bool Homing::at_rest() const { return planner_.standing() && feed_.at_rest(); }
 
 /// One look at the switch and at the motion: does the next phase begin?
 std::optional<Axis> Homing::advance() {
@@ -81,7 +67,7 @@ std::optional<Axis> Homing::advance() {
     case Phase::idle:
       break;
     case Phase::next_axis:
-      if (!at_rest()) break;
+      if (!motion_.at_rest()) break;
       if (axes_.empty()) {
         phase_ = Phase::idle;
         break;
@@ -95,37 +81,37 @@ std::optional<Axis> Homing::advance() {
     case Phase::to_switch:
       if (feed_.board().inputs.home[axis()])
         brake_into(Phase::at_switch);
-      else if (at_rest())
+      else if (motion_.at_rest())
         fail(ErrorCode::home_switch_not_found, "did not meet its home switch");
       break;
     case Phase::at_switch:
-      if (!at_rest()) break;
+      if (!motion_.at_rest()) break;
       feed_.send(ArmLatch{axis(), hal::LatchEdge::release});
       phase_ = Phase::arming;
       break;
     case Phase::arming:
-      if (!at_rest()) break;
+      if (!motion_.at_rest()) break;
       move(-kReleaseRate * axis_config().home_velocity, kReleaseReach * travel_of(axis_config()));
       phase_ = Phase::off_switch;
       break;
     case Phase::off_switch:
       if (feed_.board().home_latch[axis()].caught)
         brake_into(Phase::released);
-      else if (at_rest())
+      else if (motion_.at_rest())
         fail(ErrorCode::home_switch_stuck, "did not release its home switch");
       break;
     case Phase::released:
-      if (at_rest()) take_latch();
+      if (motion_.at_rest()) take_latch();
       break;
     case Phase::counting: {
-      if (!at_rest()) break;
+      if (!motion_.at_rest()) break;
       const Axis homed = axis();
       axes_.erase(axes_.begin());
       phase_ = Phase::next_axis;
       return homed;
     }
     case Phase::stopping:
-      if (!at_rest()) break;
+      if (!motion_.at_rest()) break;
       axes_.clear();
       phase_ = Phase::idle;
       break;
@@ -134,7 +120,7 @@ std::optional<Axis> Homing::advance() {
 }
 
 void Homing::begin_axis() {
-  planner_.set_position(feed_.commanded());
+  motion_.begin({});                        // the axis before counts anew
   if (feed_.board().inputs.home[axis()]) {  // stands on its switch already
     phase_ = Phase::at_switch;
     return;
@@ -145,11 +131,12 @@ void Homing::begin_axis() {
 
 void Homing::move(double velocity, double reach) {
   // Refused only for values that the configuration does not let in.
-  static_cast<void>(planner_.move_by(axis(), std::copysign(reach, velocity), std::abs(velocity)));
+  static_cast<void>(motion_.move_by(axis(), std::copysign(reach, velocity), std::abs(velocity)));
 }
 
 void Homing::brake_into(Phase next) {
-  planner_.stop();
+  motion_.stop();
+  motion_.apply();
   phase_ = next;
 }
 

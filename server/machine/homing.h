@@ -11,8 +11,7 @@
 #include <vector>
 
 #include "config/machine_config.h"
-#include "motion/jog.h"
-#include "server/machine/motion_feed.h"
+#include "server/machine/manual_motion.h"
 
 namespace cnc::server {
 
@@ -56,11 +55,10 @@ class Homing {
   void fail(ErrorCode code, std::string_view what);
   [[nodiscard]] Axis axis() const { return axes_.front(); }
   [[nodiscard]] const config::AxisConfig& axis_config() const { return config_.axes[axis()]; }
-  [[nodiscard]] bool at_rest() const;
 
   const config::MachineConfig& config_;
   MotionFeed& feed_;
-  motion::JogPlanner planner_;
+  ManualMotion motion_;
   Phase phase_ = Phase::idle;
   std::vector<Axis> axes_;
   std::optional<Error> error_;

@@ -1,36 +1,26 @@
 #include "server/machine/jog_control.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
-
-#include "server/job/settings.h"
 
 namespace cnc::server {
 namespace {
 
-/// Seconds of motion under way while jogging: what a step waits for. Far below FifoTime, far above
-/// the jitter of a busy computer.
-constexpr double kLead = 0.06;
 /// Part of the maximum velocity that is allowed before homing, when homing is mandatory (STA-5).
 constexpr double kUnhomedRate = 0.05;
 
 }  // namespace
 
 JogControl::JogControl(const config::MachineConfig& config, MotionFeed& feed)
-    : config_(config),
-      feed_(feed),
-      planner_(feed.limits(), config.trajectory.interpolation_time, Position{}) {}
+    : config_(config), motion_(config, feed) {}
 
 /// The first command of a motion: from where the machine stands, within the travel of axes that
 /// were homed: that of one in doubt is still about right.
 void JogControl::begin(const PositionTrust& trust) {
   if (active_) return;
   error_.reset();
-  planner_ =
-      motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
-  const motion::Extents travel = feed_.travel(trust.known());
-  for (const Axis axis : kAllAxes) planner_.set_travel(axis, {travel.min[axis], travel.max[axis]});
-  feed_.begin_motion(trust.known());
+  motion_.begin(trust.known());
 }
 
 double JogControl::allowed_rate(double rate, const PositionTrust& trust) const {
@@ -41,20 +31,24 @@ double JogControl::allowed_rate(double rate, const PositionTrust& trust) const {
 
 Result<void> JogControl::set_rates(const Position& rates, double until,
                                    const PositionTrust& trust) {
-  for (const Axis axis : kAllAxes)
+  for (const Axis axis : kAllAxes) {
     if (rates[axis] != 0.0 && !config_.axes[axis].programmable())
       return fail(ErrorCode::axis_not_connected,
                   "Axis " + std::string(axis_name(axis)) + " is not connected.");
+    if (!std::isfinite(rates[axis]))
+      return fail(ErrorCode::jog_value_unusable,
+                  "The rate of " + std::string(axis_name(axis)) + " is not a number.");
+  }
   begin(trust);
   for (const Axis axis : kAllAxes) {
     if (!config_.axes[axis].programmable()) continue;
     const double velocity = allowed_rate(rates[axis], trust) * config_.axes[axis].velocity;
-    if (auto set = planner_.set_velocity(axis, velocity); !set) return set;
+    if (auto set = motion_.set_velocity(axis, velocity); !set) return set;
   }
   leased_ = true;
   lease_end_ = until;
   active_ = true;
-  if (std::exchange(rates_, rates) != rates) replan();
+  if (std::exchange(rates_, rates) != rates) motion_.apply();
   return {};
 }
 
@@ -64,60 +58,34 @@ Result<void> JogControl::step(Axis axis, double distance, double rate, const Pos
                 "Axis " + std::string(axis_name(axis)) + " is not connected.");
   begin(trust);
   const double speed = allowed_rate(rate, trust) * config_.axes[axis].velocity;
-  if (auto moved = planner_.move_by(axis, distance, speed); !moved) return moved;
+  if (auto moved = motion_.move_by(axis, distance, speed); !moved) return moved;
   rates_ = {};
   active_ = true;
+  motion_.apply();
   return {};
 }
 
 void JogControl::stop() {
-  planner_.stop();
   leased_ = false;
   rates_ = {};
-  replan();
-}
-
-/// Every order has just been given anew, so that none is lost that a void tick has fulfilled.
-void JogControl::replan() {
   if (!active_) return;
-  replan_wanted_ = feed_.cut_answer() == CutAnswer::pending;
-  if (replan_wanted_) return;
-  if (const std::size_t count = feed_.replaceable(); count > 0) cut(count);
-}
-
-void JogControl::cut(std::size_t count) {
-  feed_.begin_cut(count);
-  planner_.go_back(feed_.commanded(), feed_.end_velocity(), feed_.end_acceleration());
-  draw();
-  feed_.commit_cut();
+  motion_.stop();
+  motion_.apply();
 }
 
 void JogControl::drop() {
-  active_ = leased_ = replan_wanted_ = false;
+  active_ = leased_ = false;
   rates_ = {};
-  planner_ =
-      motion::JogPlanner(feed_.limits(), config_.trajectory.interpolation_time, feed_.commanded());
-}
-
-void JogControl::draw() {
-  while (feed_.wants_more(kLead)) {
-    const auto setpoint = planner_.next();
-    if (!setpoint) return;
-    if (auto sent = feed_.emit(*setpoint); !sent) {
-      error_ = std::move(sent.error());  // the next cycle tells
-      return;
-    }
-  }
+  motion_.drop();
 }
 
 void JogControl::cycle(double now) {
   if (leased_ && now >= lease_end_) stop();
-  if (feed_.cut_answer() == CutAnswer::late) cut(feed_.replaceable());
-  if (feed_.cut_answer() == CutAnswer::pending) return;
-  if (replan_wanted_) replan();
-  if (!error_) draw();
-  if (error_) return drop();
-  if (planner_.standing() && !leased_ && feed_.at_rest()) active_ = false;
+  if (auto moved = motion_.cycle(); !moved) {
+    error_ = std::move(moved.error());
+    return drop();
+  }
+  if (!leased_ && motion_.at_rest()) active_ = false;
 }
 
 }  // namespace cnc::server

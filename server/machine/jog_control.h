@@ -1,16 +1,14 @@
 // Manual motion: continuous jog as a lease, and single steps (MAN-1, MAN-2).
 //
 // Whoever jogs has to say so again before the lease runs out; a lost client is a released key. New
-// rates and a stop act from the first segment on that the board has not begun and that can still be
-// replaced; a step is added behind what is under way.
+// rates, steps and a stop act at once (manual_motion.h).
 // Executor thread only.
 #pragma once
 
 #include <optional>
 
 #include "config/machine_config.h"
-#include "motion/jog.h"
-#include "server/machine/motion_feed.h"
+#include "server/machine/manual_motion.h"
 #include "server/machine/position_trust.h"
 
 namespace cnc::server {
@@ -21,7 +19,7 @@ class JogControl {
 
   /// Wanted velocities as parts of the maximum, -1 … 1; renews the lease until `until`.
   Result<void> set_rates(const Position& rates, double until, const PositionTrust& trust);
-  /// Adds a step to where the axis is going.
+  /// Adds a step to where the axis is going; to where it is, if it jogs.
   Result<void> step(Axis axis, double distance, double rate, const PositionTrust& trust);
   void stop();
   /// The motion was ended from outside (fault): forget it.
@@ -34,18 +32,13 @@ class JogControl {
 
  private:
   void begin(const PositionTrust& trust);
-  void replan();
-  void cut(std::size_t count);
-  void draw();
   [[nodiscard]] double allowed_rate(double rate, const PositionTrust& trust) const;
 
   const config::MachineConfig& config_;
-  MotionFeed& feed_;
-  motion::JogPlanner planner_;
+  ManualMotion motion_;
   bool active_ = false;
   bool leased_ = false;
   Position rates_;
-  bool replan_wanted_ = false;  // once it is known what became of the cut under way
   double lease_end_ = 0.0;
   std::optional<Error> error_;
 };

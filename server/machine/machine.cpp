@@ -41,7 +41,7 @@ AxisArray<bool> programmable_axes(const config::MachineConfig& config) {
 Machine::Machine(MachineData data, Link& link, MessageLog& log)
     : data_(std::move(data)),
       log_(log),
-      feed_(link, data_.config),
+      feed_(link, data_.config, data_.clock),
       io_(data_.config, feed_),
       files_(data_.program_folder, log),
       interpreter_(interpreter_settings(data_.config), data_.parameters, data_.tools),
@@ -124,14 +124,15 @@ Result<void> Machine::keep_head(const interp::StoreHeadOffset& store) {
   return {};
 }
 
-/// Check and prediction depend on offsets, tools and where the machine stands: they begin anew when
-/// one of these has changed.
+/// Check and prediction depend on modes, offsets, tools and where the machine stands: they begin
+/// anew when one of these has changed.
 void Machine::analyse() {
   findings_.reset();
   analysis_.reset();
   if (program_ && data_.analyse_jobs)
-    analysis_ = std::make_unique<JobAnalysis>(PredictionInput{
-        data_.config, program_, data_.parameters, data_.tools, feed_.commanded(), macros_});
+    analysis_ = std::make_unique<JobAnalysis>(
+        PredictionInput{data_.config, program_, data_.parameters, data_.tools, feed_.commanded(),
+                        macros_, interpreter_.state()});
 }
 
 void Machine::shut_down() {

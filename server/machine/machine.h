@@ -27,6 +27,7 @@
 #include "server/machine/machine_io.h"
 #include "server/machine/message_log.h"
 #include "server/machine/motion_feed.h"
+#include "server/machine/obstacle_watch.h"
 #include "server/machine/persistence.h"
 #include "server/machine/position_trust.h"
 #include "server/machine/seldom.h"
@@ -47,6 +48,7 @@ struct MachineData {
   std::vector<std::filesystem::path> macro_files;  ///< macro.cnc, then user_macro.cnc
   interp::Library macros;                          ///< instead of files
   bool analyse_jobs = true;  ///< check and predict a loaded job in the background
+  MotionFeed::Clock clock;   ///< what computing takes; none: it takes no time
 };
 
 struct WorkCoordinate {
@@ -161,6 +163,7 @@ class Machine {
   void watch_guards();
   void watch_drives(bool on);
   void obey_guard();
+  void watch_path_stop();
   void stop_at_once(Error error);
   void end_everything(Error error);
   void quick_stop();
@@ -219,6 +222,7 @@ class Machine {
   double reset_deadline_ = 0.0;
   bool shutting_down_ = false;
   std::function<void()> loss_listener_;
+  ObstacleWatch obstacle_watch_;
   std::function<void(std::string_view)> fault_listener_;
 
   std::shared_ptr<const interp::Program> program_;

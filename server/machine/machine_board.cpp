@@ -47,10 +47,12 @@ void Machine::watch_board() {
   const hal::ControllerStatus& board = feed_.board();
   const bool is_new_session = board.sessions != session_;
   if (state_ != State::off && (!board.connected || is_new_session)) lose_board();
+  if (const auto obstacle = obstacle_watch_.look(board.obstacle, now_)) log_.add(*obstacle);
   if (!board.connected) return;
   if (state_ == State::off) take_board();
   watch_home_switches();
   watch_guards();
+  watch_path_stop();
   const auto begun = static_cast<hal::Faults>(board.faults & ~std::exchange(faults_, board.faults));
   const bool has_ended = state_ == State::estop || state_ == State::error;
   if (board.faults != 0 && !has_ended) on_fault(board.faults);
@@ -137,6 +139,24 @@ void Machine::obey_guard() {
   if (!job_.active() && !homing_.active() && !jog_.active()) return;
   tell_fault("guard_stop");
   end_everything(std::move(error));
+}
+
+/// A rule may act once more before its stop is released, a probe touch behind its move: nobody
+/// waits for that stop, and what was sent since is void.
+void Machine::watch_path_stop() {
+  const hal::ControllerStatus& board = feed_.board();
+  if (board.path_stop != hal::PathStop::stopped || board.moving || board.faults != 0) return;
+  if (guard_stop_ || job_.probing() || !feed_.all_told()) return;
+  feed_.accept_board_position();
+  feed_.send(ReleaseStop{});
+  if (!job_.active() && !homing_.active() && !jog_.active()) return;
+  tell_fault("path_stop");
+  io_.all_off();
+  end_everything(
+      {ErrorCode::motion_fault,
+       "The board stopped along the path: the probe, or an input of a guard rule, became "
+       "active when nothing waited for it.",
+       std::nullopt});
 }
 
 /// STA-4: behind homing, a home switch that becomes active is an emergency stop where that is

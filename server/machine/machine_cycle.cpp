@@ -137,7 +137,7 @@ void Machine::end_job(const Result<void>& result) {
     if (result) log_.add(Severity::info, fmt::format("Job done in {:.1f} s.", elapsed_));
   }
   save_parameters();
-  if (!was_job) analyse();
+  analyse();
   settle_when_saved(WaitFor::mdi, result);
   settle(WaitFor::home, result);
   if (!reset_wanted_) settle(WaitFor::reset, result);  // user_reset
@@ -229,6 +229,7 @@ void Machine::cycle_reset() {
     interpreter_.reset();
     come_to_rest();
     load_macros();
+    analyse();
     if (has_sub("user_reset")) return run_text("gosub user_reset", "user_reset");
     settle(WaitFor::reset, {});
     return;

@@ -11,6 +11,10 @@
 namespace cnc::server {
 namespace {
 
+/// What the board may have less than what was sent, s: a cycle of the machine and two of the link
+/// late.
+constexpr double kOnItsWay = 0.02;
+
 /// Room kept in the link for commands: outputs, latches, faults to clear.
 constexpr std::size_t kReserve = 64;
 
@@ -66,9 +70,10 @@ Position end_acceleration_of(const motion::Setpoint& setpoint, const Position& p
 
 }  // namespace
 
-MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config)
+MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config, Clock clock)
     : link_(link),
       config_(config),
+      clock_(std::move(clock)),
       compensation_(compensation_settings(config)),
       check_(limits(), travel({}), Position{}),
       motor_check_(motor_check_limits(config), travel({}), Position{}),
@@ -78,8 +83,7 @@ MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config)
 
 void MotionFeed::update() {
   read_status();
-  if (position_unknown_ && !status_.board.moving && status_.items_done == link_.pushed())
-    accept_board_position();
+  if (position_unknown_ && !status_.board.moving && all_told()) accept_board_position();
 }
 
 /// In the compensation's state at the end of what the board executes.
@@ -109,6 +113,16 @@ void MotionFeed::read_status() {
 
 bool MotionFeed::wants_more(double lead) const {
   return sent(last_id_).end_time - executed_time() < lead && link_.space() > kReserve;
+}
+
+/// An axis that the plan brakes leaves the board nothing to brake harder with: axes that come to
+/// rest one after the other need the sum of their times. A ramp in whole setpoints may take two
+/// more.
+double MotionFeed::lead_for(const Position& speed) const {
+  double lead =
+      config_.connection.host_timeout + kOnItsWay + 2.0 * config_.trajectory.interpolation_time;
+  for (const Axis axis : kAllAxes) lead += motion::braking_time(limits(), axis, speed[axis]);
+  return lead;
 }
 
 void MotionFeed::begin_motion(const AxisArray<bool>& limited) {
@@ -203,9 +217,11 @@ std::size_t MotionFeed::under_way() const {
 /// the one under way, and the next. And threads do not wake up to the microsecond.
 std::size_t MotionFeed::replaceable() {
   constexpr double kLatest = 0.001;
+  if (clock_) asked_at_ = clock_();
   read_status();
   const bool stops = status_.board.path_stop != hal::PathStop::none;
-  const double reached = executed_time() + patience_ * (2.0 * status_.interval + kLatest);
+  const double reached =
+      executed_time() + patience_ * (2.0 * status_.interval + kLatest) + replanning_;
   std::size_t count = under_way();
   std::size_t result = 0;
   for (const Sent* last = &sent(last_id_); count > 0; last = &sent(last->before)) {
@@ -217,6 +233,13 @@ std::size_t MotionFeed::replaceable() {
     --count;
   }
   return result;
+}
+
+/// One that took longer than usual counts again for the next ones, less each time.
+void MotionFeed::commit_cut() {
+  constexpr double kMost = 0.1;
+  link_.commit_cut();
+  if (clock_) replanning_ = std::clamp(clock_() - asked_at_, 0.5 * replanning_, kMost);
 }
 
 void MotionFeed::begin_cut(std::size_t count) {
@@ -283,9 +306,8 @@ bool MotionFeed::executed(std::uint32_t id) const {
 }
 
 bool MotionFeed::at_rest() const {
-  return status_.items_done == link_.pushed() && !status_.board.moving &&
-         status_.board.fifo_count == 0 && !position_unknown_ && cut_.answer != CutAnswer::pending &&
-         cut_.answer != CutAnswer::late;
+  return all_told() && !status_.board.moving && status_.board.fifo_count == 0 &&
+         !position_unknown_ && cut_.answer != CutAnswer::pending && cut_.answer != CutAnswer::late;
 }
 
 Executing MotionFeed::executing() const {

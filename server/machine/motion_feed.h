@@ -34,7 +34,10 @@ enum class CutAnswer : std::uint8_t { none, pending, taken, late };
 
 class MotionFeed {
  public:
-  MotionFeed(Link& link, const config::MachineConfig& config);
+  /// A steady clock in seconds: what computing takes. Without one, as in virtual time, it takes
+  /// none.
+  using Clock = std::function<double()>;
+  MotionFeed(Link& link, const config::MachineConfig& config, Clock clock = {});
 
   /// Reads the link's newest status; at the beginning of each cycle of the machine.
   void update();
@@ -42,6 +45,9 @@ class MotionFeed {
 
   /// True while less than `lead` seconds of motion are under way and the link has room.
   [[nodiscard]] bool wants_more(double lead) const;
+  /// What `lead` has to be while the axes move at up to `speed`: the board goes on for a while
+  /// before it takes the host for lost, and stops along what it has of the path.
+  [[nodiscard]] double lead_for(const Position& speed) const;
   /// What a plan may use of the axes, and where they may be: infinite for those that are not
   /// `limited`.
   [[nodiscard]] const motion::AxisLimits& limits() const { return compensation_.machine_limits(); }
@@ -54,14 +60,15 @@ class MotionFeed {
   /// Segments that the board has not begun.
   [[nodiscard]] std::size_t under_way() const;
   /// Those of them that a cut would replace in time: all behind the first one that ends later than
-  /// a cut needs to reach the board. None while the path follows the spindle, or the board stops
-  /// along it. Behind a late cut these are in any case the segments that the board never had: the
-  /// link has dropped them. Reads the newest status.
+  /// a cut needs to reach the board, and as much later as the last one took from here to
+  /// commit_cut(). None while the path follows the spindle, or the board stops along it. Behind a
+  /// late cut these are in any case the segments that the board never had: the link has dropped
+  /// them. Reads the newest status.
   [[nodiscard]] std::size_t replaceable();
   /// The last `count` segments are void, commanded() is where the one before them ends, and what is
   /// emitted until commit_cut() travels with the cut. Not while an answer is pending.
   void begin_cut(std::size_t count);
-  void commit_cut() { link_.commit_cut(); }
+  void commit_cut();
   /// Taken and late are answered until the next cut; after a late one what was void counts again,
   /// and the board takes nothing before the next begin_cut().
   [[nodiscard]] CutAnswer cut_answer();
@@ -69,6 +76,8 @@ class MotionFeed {
   [[nodiscard]] const Position& end_velocity() const { return sent(last_id_).end_velocity; }
   [[nodiscard]] const Position& end_acceleration() const { return sent(last_id_).end_acceleration; }
 
+  /// The board has answered everything that was sent.
+  [[nodiscard]] bool all_told() const { return status_.items_done == link_.pushed(); }
   /// Everything emitted and every command sent has been executed, and the machine stands.
   [[nodiscard]] bool at_rest() const;
   /// A quick stop is under way: where the machine will stand is not known yet.
@@ -175,6 +184,7 @@ class MotionFeed {
 
   Link& link_;
   const config::MachineConfig& config_;
+  Clock clock_;
   motion::Compensation compensation_;
   motion::SetpointCheck check_;
   motion::SetpointCheck motor_check_;
@@ -188,6 +198,8 @@ class MotionFeed {
   std::uint32_t last_id_ = 0;    // of those that are not void
   Cut cut_;
   double patience_ = 1.0;      // factor of the time that a cut gets: more after a late one
+  double asked_at_ = 0.0;      // by the clock: replaceable()
+  double replanning_ = 0.0;    // s, from there to commit_cut(), of the last cuts
   std::uint32_t void_id_ = 0;  // up to here nothing is executed any more
   motion::Compensation::State void_state_;  // of the machine that stands there
   Position commanded_;

@@ -98,12 +98,6 @@ std::vector<Axis> PositionTrust::axes_with(Trust trust) const {
   return axes;
 }
 
-AxisArray<bool> PositionTrust::trusted() const {
-  AxisArray<bool> result;
-  for (const Axis axis : kAllAxes) result[axis] = trust_[axis] == Trust::trusted;
-  return result;
-}
-
 AxisArray<bool> PositionTrust::known() const {
   AxisArray<bool> result;
   for (const Axis axis : kAllAxes) result[axis] = trust_[axis] != Trust::unknown;

@@ -48,7 +48,6 @@ class PositionTrust {
 
   [[nodiscard]] Trust operator[](Axis axis) const { return trust_[axis]; }
   [[nodiscard]] const AxisArray<Trust>& all() const { return trust_; }
-  [[nodiscard]] AxisArray<bool> trusted() const;
   /// Trusted or doubtful: those whose limits still mean something.
   [[nodiscard]] AxisArray<bool> known() const;
   [[nodiscard]] bool all_trusted() const;

@@ -1,5 +1,7 @@
 #include "server/machine/probe_motion.h"
 
+#include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "server/job/settings.h"
@@ -8,8 +10,14 @@
 namespace cnc::server {
 namespace {
 
-/// Seconds of motion under way: enough to be fed, little to be thrown away.
-constexpr double kLead = 0.06;
+/// Of each axis on the line at `feed`, or as fast as it may.
+Position speeds_on(const motion::Line& line, double feed, const motion::AxisLimits& limits) {
+  const Position& direction = line.direction();
+  const double fastest = std::min(feed, motion::largest_along(direction, limits.max_velocity));
+  Position speeds;
+  for (const Axis axis : kAllAxes) speeds[axis] = std::abs(direction[axis]) * fastest;
+  return speeds;
+}
 
 }  // namespace
 
@@ -27,6 +35,7 @@ Result<void> ProbeMotion::start(const Position& end, double feed) {
   options.feed = feed;
   options.stop_at_end = true;
   if (auto queued = planner_.add_line(end, options); !queued) return queued;
+  lead_ = feed_.lead_for(speeds_on({start, end}, feed, feed_.limits()));
   feed_.begin_motion(AxisArray<bool>::filled(true));
   feed_.send(ArmProbe{});
   phase_ = Phase::arming;
@@ -58,6 +67,14 @@ void ProbeMotion::cycle() {
       }
       feed_motion();
       break;
+    case Phase::disarming:
+      // It may have touched after the last look.
+      if (!feed_.at_rest()) break;
+      if (board.probe_latch.caught)
+        phase_ = Phase::stopping;
+      else
+        end(false, feed_.commanded());
+      break;
     case Phase::stopping:
       if (board.path_stop == hal::PathStop::stopped && !board.moving) release();
       break;
@@ -80,7 +97,7 @@ void ProbeMotion::look_at_latch() {
 }
 
 void ProbeMotion::feed_motion() {
-  while (feed_.wants_more(kLead)) {
+  while (feed_.wants_more(lead_)) {
     const auto setpoint = planner_.next();
     if (!setpoint) break;
     if (auto sent = feed_.emit(*setpoint); !sent) {
@@ -92,7 +109,7 @@ void ProbeMotion::feed_motion() {
   }
   if (!planner_.idle() || planner_.held() || !feed_.at_rest()) return;
   feed_.send(DisarmProbe{});
-  end(false, feed_.commanded());
+  phase_ = Phase::disarming;
 }
 
 void ProbeMotion::release() {

@@ -40,6 +40,7 @@ class ProbeMotion {
     idle,
     arming,  // until the board says that the latch is armed
     moving,
+    disarming,  // the move is over: until the probe cannot trip any more
     stopping,   // the probe has tripped: until the board stands
     releasing,  // until the board takes segments again
   };
@@ -52,6 +53,7 @@ class ProbeMotion {
   const config::MachineConfig& config_;
   MotionFeed& feed_;
   motion::Planner planner_;
+  double lead_ = 0.0;
   Phase phase_ = Phase::idle;
   bool tripped_ = false;
   Position position_;

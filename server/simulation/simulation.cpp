@@ -12,8 +12,11 @@ constexpr double kLinkPatience = 10.0;
 
 std::unique_ptr<hal::sim::VirtualController> connected_controller(
     const config::MachineConfig& config, const SimulationOptions& options) {
-  auto controller = hal::sim::make_virtual_controller(
-      config, {.machine = options.machine, .link = options.link, .events = options.events});
+  auto controller =
+      hal::sim::make_virtual_controller(config, {.machine = options.machine,
+                                                 .driver = hal::cpu5::driver_settings(config),
+                                                 .link = options.link,
+                                                 .events = options.events});
   // In-process it fails with the cable out only, and then the link goes on trying.
   static_cast<void>(controller->connect());
   return controller;

@@ -224,7 +224,7 @@ void measure(const std::string& file, const Options& options) {
   const auto most_cells = static_cast<std::size_t>(options["longest"]);
   for (const auto& run : runs.all) {
     const auto least = Reference(jerk_limits(limits), run, most_cells).time();
-    JerkPlan plan(jerk_limits(limits), 8192, run.size() + 1);
+    JerkPlan plan(jerk_limits(limits), std::max<std::size_t>(8192, run.size() + 1));
     for (const PathInterval& interval : run) plan.append(interval);
     plan.stop_at_end();
     double time = 0.0;

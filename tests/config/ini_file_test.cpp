@@ -2,6 +2,7 @@
 
 #include <catch2/catch.hpp>
 
+#include "config/config_checks.h"
 #include "config/ini_document.h"
 #include "tests/config/temporary_directory.h"
 
@@ -319,6 +320,45 @@ TEST_CASE("A silent host is missed while the board still has a way to brake", "[
   CHECK(parse_machine_config("[CONNECTION]\nhostTimeout = 0.249\n", "cnc.ini"));
   check_refusal("[CONNECTION]\nhostTimeout = 0.25\n", ErrorCode::config_host_timeout_too_long, 2,
                 {"0.25 s", "fifoTime"});
+}
+
+TEST_CASE("A caution says which axis a board that hears nothing could not brake along its motion",
+          "[CFG-1][LNK-4][safety]") {
+  struct Row {
+    const char* rule;
+    std::vector<std::string> settings;
+    std::vector<std::string> caution{};  // parts of the message; none: no caution
+  };
+  // X makes 100 mm/s with 500 mm/s²: 100 / (2 · 500) = 0.1 s behind the silence.
+  static const Row kRows[]{
+      {"0.1 s of silence and 0.1 s to brake",
+       {"CONNECTION.hostTimeout=0.1", "TRAJECTORY.fifoTime=0.2"}},
+      {"that is more than 0.19 s",
+       {"CONNECTION.hostTimeout=0.1", "TRAJECTORY.fifoTime=0.19"},
+       {"[AXIS_X] velocity = 100 mm/s", "acceleration = 500 mm/s²", "0.200 s", "holds 0.19 s",
+        "fifoTime should be 0.2 s at least"}},
+      // At 100 mm/s² 0.5 s to brake; 256 segments of 2.5 ms are 0.64 s, whatever fifoTime says.
+      {"0.64 s into 256 segments",
+       {"AXIS_X.acceleration=100", "CONNECTION.hostTimeout=0.14", "TRAJECTORY.fifoTime=2",
+        "TRAJECTORY.interpolationTime=0.0025"}},
+      {"0.65 s into 256 segments",
+       {"AXIS_X.acceleration=100", "CONNECTION.hostTimeout=0.15", "TRAJECTORY.fifoTime=2",
+        "TRAJECTORY.interpolationTime=0.0025"},
+       {"0.650 s", "holds 0.64 s",
+        "the acceleration should be higher, or the velocity or hostTimeout lower"}},
+      {"an axis without a motor brakes nothing",
+       {"AXIS_X.port=0", "AXIS_X.acceleration=1", "CONNECTION.hostTimeout=0.2"}},
+  };
+  for (const Row& row : kRows) {
+    INFO(row.rule);
+    const auto config = parse_machine_config(kGoodX, "cnc.ini", row.settings);
+    REQUIRE(config);
+    const std::vector<Error> cautions = find_cautions(*config);
+    REQUIRE(cautions.size() == (row.caution.empty() ? 0 : 1));
+    if (cautions.empty()) continue;
+    CHECK(cautions[0].code == ErrorCode::config_way_to_brake_short);
+    for (const std::string& part : row.caution) CHECK_THAT(cautions[0].message, Contains(part));
+  }
 }
 
 TEST_CASE("A pulse and its pause fit into a period of the highest step frequency",

@@ -1,6 +1,7 @@
 // The files that a new installation starts with fit each other.
 #include <catch2/catch.hpp>
 
+#include "config/config_checks.h"
 #include "config/ini_file.h"
 #include "config/parameter_store.h"
 #include "config/schema.h"
@@ -47,6 +48,10 @@ void check_inside(const Extent& extent) {
 }
 
 }  // namespace
+
+TEST_CASE("The shipped machine needs no caution", "[CFG-1][LNK-4]") {
+  CHECK(find_cautions(machine()).empty());
+}
 
 TEST_CASE("The shipped machine is a homed three-axis mill", "[CFG-1][CFG-2]") {
   const MachineConfig config = machine();

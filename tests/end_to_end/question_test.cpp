@@ -1,7 +1,9 @@
 // What programs ask, and the shipped macros, with the real server and the real cncctl (LNG-4,
 // LNG-6).
 #include <catch2/catch.hpp>
+#include <chrono>
 #include <csignal>
+#include <thread>
 
 #include "tests/end_to_end/test_server.h"
 
@@ -137,6 +139,9 @@ TEST_CASE("A stop ends the question and its program, and whoever waits is told",
   REQUIRE(server.client.load(folder.write_job(kAskingJob)));
   Process client = start_ctl(folder, {"run", "--wait"}, "run");
   wait_for_the_question(server);
+  // The client follows the status by itself, and may be later than the watcher.
+  for (int i = 0; i < 1000 && client.err().find("Where to?") == std::string::npos; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(20));
   CHECK(ctl(folder, {"stop"}).exit_code == 0);
   REQUIRE(server.watcher.sees([](const MachineStatus& status) {
     return status.state == MachineState::ready && !status.question;

@@ -69,7 +69,7 @@ RunningServer::RunningServer(const ServerFolder& server_folder,
       client(api::Client::without_connecting(server_folder.address())),
       watcher(client) {
   const bool answers = watcher.sees(api::MachineState::needs_reset);
-  INFO(process.err());
+  INFO(process.out() << process.err());
   REQUIRE(answers);
 }
 

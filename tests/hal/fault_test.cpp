@@ -28,10 +28,25 @@ struct Rig {
     REQUIRE(core.push(x_segment(2, 0.010, 150, 10'000)));
   }
 
+  /// And 90 ms more at that speed: 900 steps.
+  void push_long_run() {
+    push_run();
+    for (std::uint32_t i = 3; i < 12; ++i)
+      REQUIRE(core.push(x_segment(i, 0.010, 100.0 * i - 50.0, 10'000)));
+  }
+
   WatchedBoard board;
   std::function<bool()> estop_when;
   Core core{board};
 };
+
+/// After 5 ms of silence, from 10 kHz within 10 ms, where the way is as long as it takes: 50 steps.
+Setup braking_setup() {
+  Setup setup = kFastBoard;
+  setup.host_timeout = ticks(0.005);
+  setup.max_acceleration.fill(std::llround(std::ldexp(1e6 / 1e14, kAccelerationBits)));
+  return setup;
+}
 
 }  // namespace
 
@@ -230,16 +245,9 @@ TEST_CASE("A quick stop drops what is queued, and motion goes on from where it s
 
 TEST_CASE("A silent host: the board brakes along the path, then the link counts as lost",
           "[hal][LNK-4]") {
-  Setup setup = kFastBoard;
-  setup.host_timeout = ticks(0.005);
-  // 10 kHz in 10 ms, where the way is as long as it takes: 50 steps.
-  setup.max_acceleration.fill(std::llround(std::ldexp(1e6 / 1e14, kAccelerationBits)));
-  Rig rig(setup);
+  Rig rig(braking_setup());
   rig.core.host_alive();
-  rig.push_run();
-  for (std::uint32_t i = 3; i < 12; ++i) {
-    REQUIRE(rig.core.push(x_segment(i, 0.010, 100.0 * i - 50.0, 10'000)));
-  }
+  rig.push_long_run();
   for (int i = 0; i < 3; ++i) {
     rig.core.advance(ticks(0.004));
     rig.core.host_alive();
@@ -253,6 +261,25 @@ TEST_CASE("A silent host: the board brakes along the path, then the link counts 
   // Heard at 12 ms, at step 70; lost at 17 ms and 120; planned ahead by up to 0.3 ms.
   CHECK(static_cast<double>(rig.core.status().counts[0]) == Approx(120 + 50).margin(4));
   CHECK(rig.board.last_outputs == Outputs{});
+}
+
+TEST_CASE("A host that is heard again while the board brakes finds a fault, and the outputs off",
+          "[hal][LNK-4][safety]") {
+  Rig rig(braking_setup());
+  rig.core.host_alive();
+  rig.push_long_run();
+  rig.core.advance(ticks(0.006));
+  REQUIRE(rig.core.status().path_stop == PathStop::stopping);
+  for (int i = 0; i < 20; ++i) {
+    rig.core.host_alive();
+    rig.core.advance(ticks(0.001));
+  }
+  CHECK(rig.core.status().faults == kLinkLost);
+  CHECK(rig.board.last_outputs == Outputs{});
+  rig.core.clear_faults();
+  rig.core.host_alive();
+  rig.core.advance(ticks(0.004));
+  CHECK(rig.core.status().faults == 0);
 }
 
 TEST_CASE("A host that goes while the machine moves stops it; one that goes later leaves it safe",

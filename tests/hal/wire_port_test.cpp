@@ -222,51 +222,6 @@ TEST_CASE("A board that was reset is greeted again, and its counts are known to 
   CHECK(shuttle.status().position[Axis::X] == Approx(there));
 }
 
-namespace {
-
-/// A board that refuses every greeting.
-class RefusingBoard final : public cpu5::PacketChannel {
- public:
-  explicit RefusingBoard(cpu5::wire::RefusalReason reason) : reason_(reason) {}
-
-  Result<void> open() override { return {}; }
-  void close() override {}
-  void send(std::span<const std::uint8_t> packet) override {
-    session_ = cpu5::wire::open_packet(packet)->header.session;
-    answer_due_ = true;
-  }
-  std::span<const std::uint8_t> receive() override {
-    if (!std::exchange(answer_due_, false)) return {};
-    cpu5::wire::PacketWriter packet(memory_, cpu5::wire::PacketType::refusal, session_);
-    cpu5::wire::put_refusal(packet.body(), {.reason = reason_, .highest_version = 9});
-    return packet.finish();
-  }
-  [[nodiscard]] std::string name() const override { return "that refuses"; }
-
- private:
-  cpu5::wire::RefusalReason reason_;
-  std::uint32_t session_ = 0;
-  bool answer_due_ = false;
-  std::array<std::uint8_t, cpu5::wire::kMaxPacket> memory_{};
-};
-
-}  // namespace
-
-TEST_CASE("Why a board refuses is said", "[hal][LNK-1][LNK-9]") {
-  using cpu5::wire::RefusalReason;
-  const auto [reason, code] = GENERATE(table<RefusalReason, ErrorCode>({
-      {RefusalReason::other_version, ErrorCode::board_version},
-      {RefusalReason::busy, ErrorCode::board_busy},
-      {RefusalReason::bad_setup, ErrorCode::board_setup_refused},
-      {RefusalReason::not_understood, ErrorCode::board_version},
-  }));
-  cpu5::WirePort port(std::make_unique<RefusingBoard>(reason), {});
-  const auto refused = port.open({});
-  REQUIRE_FALSE(refused);
-  CHECK(refused.error().code == code);
-  CHECK(refused.error().message.find("that refuses") != std::string::npos);
-}
-
 TEST_CASE("A board that does not answer is an error that says so", "[hal][LNK-1]") {
   const auto controller = make_virtual_controller(small_machine(), at_zero());
   controller->trouble().cable_out = true;

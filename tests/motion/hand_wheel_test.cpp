@@ -64,6 +64,28 @@ TEST_CASE("Position mode: what was turned beyond the travel has to be turned bac
   CHECK(bench.x() == 4.5);
 }
 
+TEST_CASE("Position mode: planned far ahead and cut off at every turn, no count is lost",
+          "[MAN-3][LNK-8]") {
+  JogPlanner jog(reference_limits(), kTick, {});
+  HandWheel wheel(Axis::X, {HandWheelMode::position, kPerCount, 80.0}, 0, 0.0);
+  std::int32_t count = 0;
+  for (int i = 0; i < 60; ++i) {
+    count += i % 10 < 7 ? 9 : -4;
+    REQUIRE(wheel.follow(jog, count, kTick * i));
+    // Two ticks are driven; those behind them, to the end mostly, are void.
+    static_cast<void>(jog.next());
+    static_cast<void>(jog.next());
+    const Position position = jog.position();
+    const Position velocity = jog.velocity();
+    for (int ahead = 0; ahead < 60 && jog.next(); ++ahead) {
+    }
+    jog.go_back(position, velocity, {});
+  }
+  while (jog.next()) {
+  }
+  CHECK(jog.position()[Axis::X] == kPerCount * count);
+}
+
 TEST_CASE("Position mode: the counter may wrap", "[MAN-3]") {
   Bench bench(HandWheelMode::position, std::numeric_limits<std::int32_t>::max() - 3);
   bench.turn(2, 10);

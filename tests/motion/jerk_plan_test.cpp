@@ -1,6 +1,7 @@
 // Third-order motion: within velocity, acceleration and jerk at every instant, and fast.
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "tests/motion/jerk_drive.h"
 #include "tests/motion/tube_path.h"
@@ -233,6 +234,68 @@ TEST_CASE("A lowered override slows a straight line down as fast as the jerk all
   }
   CHECK(drive.time() - before == Approx(0.185).margin(0.02));
   require_limits(drive);
+}
+
+TEST_CASE("A first plan with a drop of the feed in it is found, however deep", "[MOT-3]") {
+  // At 100 mm/s cells are a quarter of a millimetre long: where the speed has to fall before the
+  // last of them ends, (du/dt)² changes by far more than three times in one.
+  for (const double before : {0.1, 0.5, 3.0, 5.0}) {
+    for (const double slow : {0.1, 0.01, 0.001}) {
+      for (const double behind : {0.0, 0.1, 5.0}) {
+        CAPTURE(before, slow, behind);
+        std::vector<PathInterval> path{straight_interval(before, 100.0),
+                                       straight_interval(0.1, slow)};
+        if (behind > 0.0) path.push_back(straight_interval(behind, 100.0));
+        JerkDrive drive(jerk_limits(20'000.0), path);
+        drive.feed();
+        REQUIRE_FALSE(drive.plan.standing());
+        // It may creep through the end of the cell before the drop, but not through all of the
+        // line.
+        while (drive.plan.motion().place.interval == 0) {
+          drive.step();
+          drive.feed();
+        }
+        CHECK(drive.time() < 1.0 + seven_phases({before, 100.0, 500.0, 20'000.0, 1.0}));
+        require_limits(drive);
+      }
+    }
+  }
+}
+
+TEST_CASE("What is not a number is never within the limits, and a step towards it is not taken",
+          "[MOT-3]") {
+  constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+  const SpeedCell cell = make_cell(straight_interval(1.0, 100.0), 0.0, 0.01, jerk_limits(20'000.0));
+  for (const CellX& x : {CellX{kNan, 1.0, 1.0}, CellX{1.0, kNan, 1.0}, CellX{1.0, 1.0, kNan}}) {
+    CHECK_FALSE(usage_of(cell, x) <= kUsageOfPlan);
+  }
+  const auto window_of_three = [&] {
+    SpeedWindow window(4);
+    window.end = {{0.5, 0.0, 0.0}, 1.0};
+    window.most_start_x = 1.0;
+    PlannedCell planned;
+    planned.cell = cell;
+    planned.knot = {0.0, 0.5, 0.0};
+    for (int i = 0; i < 3; ++i) {
+      planned.x = 1.0;
+      planned.wanted_x = 100.0;
+      window.cells.push_back(planned);
+      planned = planned_behind(planned, cell);
+    }
+    window.reset_weights(0);
+    return window;
+  };
+  SpeedWindow window = window_of_three();
+  CHECK(window.usage(0) <= kUsageOfPlan);
+  for (std::uint64_t i = 0; i < 3; ++i) {
+    window = window_of_three();
+    window.cells[i].x = kNan;
+    CHECK_FALSE(window.usage(0) <= kUsageOfPlan);
+  }
+  window = window_of_three();
+  window.cells[1].weight = kNan;
+  (void)window.improve(0);
+  for (std::uint64_t i = 0; i < 3; ++i) CHECK(window.cells[i].x == 1.0);
 }
 
 TEST_CASE("Without much of a jerk limit the time is nearly that of second order", "[MOT-3]") {

@@ -1,6 +1,9 @@
 // Whole programs within limits of jerk: times, limits, path, prediction.
+#include "motion/jerk_profile.h"
+
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <limits>
 
 #include "tests/motion/dice.h"
 #include "tests/motion/trajectory.h"
@@ -176,6 +179,31 @@ TEST_CASE("An override of 0 holds and any other goes on, with limits of jerk", "
   require_limits(driven, jerk_settings().limits);
 }
 
+TEST_CASE("A hold amid curves finds its plan at once", "[MOT-3][MAN-9][LNK-8]") {
+  // One that finds none is tried again some cells later, and the motion goes on until then.
+  PlannerSettings settings = jerk_settings();
+  settings.most_taken_back = 4096;
+  for (double until = 1.07; until < 1.12; until += 0.001) {
+    CAPTURE(until);
+    Planner planner(settings, {});
+    MoveOptions options = feed_of(50);
+    options.tolerance = 0.01;
+    double time = 0.0;
+    std::size_t waiting = 0;
+    for (int i = 1; time < until;) {
+      for (; i <= 2000 && !planner.full(); ++i)
+        REQUIRE(planner.add_line(xyz(0.1 * i, 20.0 + 15.0 * std::sin(0.02 * i)), options));
+      time += planner.next().value().duration;
+      if (time > until - 0.24) ++waiting;
+    }
+    REQUIRE(planner.take_back(waiting));
+    planner.hold();
+    planner.confirm_take_back();
+    // From 50 mm/s at 500 mm/s², 0.025 s to build that up and the same to undo what it was doing.
+    CHECK(draw_all(planner).duration() < 0.1 + 2.0 * 0.025 + 0.02);
+  }
+}
+
 TEST_CASE("A helix of very many turns is driven without room for all of it", "[MOT-3]") {
   Planner planner(jerk_settings(), {});
   REQUIRE(planner
@@ -212,6 +240,113 @@ TEST_CASE("Tiny and very long moves keep limits of jerk", "[MOT-3]") {
   CHECK(at == xyz(length, length));
   CHECK(planner.idle());
   CHECK(time >= 2.0 * length / 100.0);
+}
+
+TEST_CASE("Chords of a micrometre keep limits of jerk, however high", "[MOT-3]") {
+  // At 50 mm/s each takes 20 microseconds, and the jerk may leap at every end.
+  const auto [ratio, tolerance] =
+      GENERATE(table<double, double>({{40.0, 0.0}, {330.0, 0.0}, {330.0, 0.01}, {900.0, 0.0}}));
+  CAPTURE(ratio, tolerance);
+  const PlannerSettings settings = jerk_settings(ratio * 500.0);
+  Planner planner(settings, {});
+  MoveOptions options = feed_of(50);
+  options.tolerance = tolerance;
+  Trajectory driven{{}, {}};
+  for (int i = 1; i <= 1500; ++i) {
+    const double x = 1e-3 * i;
+    REQUIRE(planner.add_line(xyz(x, 0.2 * std::sin(3.0 * x)), options));
+    while (planner.full()) driven.setpoints.push_back(planner.next().value());
+  }
+  while (const auto setpoint = planner.next()) driven.setpoints.push_back(*setpoint);
+  CHECK(planner.idle());
+  require_limits(driven, settings.limits);
+}
+
+TEST_CASE("A feed of next to nothing is driven, in as few steps as its time asks for", "[MOT-3]") {
+  // mm/s: F0.5 and what no clock would see.
+  const double feed = GENERATE(0.5 / 60.0, 1e-4, 2e-6, 1e-7);
+  const double jerk = GENERATE(20'000.0, 1e6, 1e9);
+  CAPTURE(feed, jerk);
+  Planner planner(jerk_settings(jerk), {});
+  REQUIRE(planner.add_line(xyz(0.02, 0), feed_of(feed)));
+  REQUIRE(planner.add_line(xyz(0.04, 0), feed_of(100)));
+  double time = 0.0;
+  double x = 0.0;
+  for (int i = 0; i < 300; ++i) {
+    const auto setpoint = planner.next();
+    REQUIRE(setpoint.has_value());
+    REQUIRE(setpoint->position[Axis::X] >= x);
+    x = setpoint->position[Axis::X];
+    time += setpoint->duration;
+  }
+  CHECK(time > 300 * 0.001);
+  CHECK(x <= feed * time);
+  // Within a few cells, of which none is shorter than a picometre.
+  planner.hold();
+  time = 0.0;
+  while (const auto setpoint = planner.next()) time += setpoint->duration;
+  CHECK(time < 1.0);
+  CHECK_FALSE(planner.idle());
+  CHECK(planner.clear());
+}
+
+TEST_CASE("A way of a few picometres that a hold has left is driven", "[MOT-3][MAN-9]") {
+  const double left = GENERATE(1.5e-9, 5e-9, 2e-8, 1e-7);
+  CAPTURE(left);
+  JerkPlan plan(jerk_limits(jerk_settings().limits));
+  PathInterval interval;
+  interval.length = left;
+  interval.first = xyz(1, 0);
+  interval.feed = 100.0;
+  plan.append(interval);
+  plan.stop_at_end();
+  REQUIRE(plan.due());
+  REQUIRE(plan.plan());
+  plan.advance(1.0);
+  CHECK(plan.idle());
+}
+
+TEST_CASE("No axis builds its acceleration up in less than a millisecond", "[MOT-3]") {
+  // 500 mm/s² in 1 ms are 500,000 mm/s³, of which a plan uses 99 %.
+  const auto [wanted, planned] =
+      GENERATE(table<double, double>({{20'000.0, 19'800.0},
+                                      {1e9, 495'000.0},
+                                      {0.0, 495'000.0},
+                                      {std::numeric_limits<double>::infinity(), 495'000.0},
+                                      {std::numeric_limits<double>::quiet_NaN(), 495'000.0}}));
+  CAPTURE(wanted);
+  CHECK(jerk_limits(jerk_settings(wanted).limits).jerk[Axis::X] == Approx(planned));
+}
+
+TEST_CASE("A rotary move keeps its feed although rounding left something for X", "[MOT-3][GCO-5]") {
+  const double residue = GENERATE(0.0, 1e-15, 5e-7);
+  CAPTURE(residue);
+  Planner planner(jerk_settings(), {});
+  Position end = xyz(residue, 0);
+  end[Axis::A] = 90.0;
+  REQUIRE(planner.add_line(end, feed_of(30.0)));
+  (void)planner.next();
+  // 90 degrees at 30 a second, and less than half a second to speed up and to slow down.
+  CHECK(planner.queued_time() >= 2.9);
+  CHECK(planner.queued_time() <= 3.5);
+  const double driven = draw_all(planner).duration();
+  CHECK(driven >= 2.9);
+  CHECK(driven <= 3.5);
+}
+
+TEST_CASE("The time of rotary moves that are not planned yet is known", "[MOT-3]") {
+  Planner planner(jerk_settings(), {});
+  Position end;
+  for (int i = 0; i < 10; ++i) {
+    end[Axis::A] += 90.0;
+    MoveOptions options = feed_of(30.0);
+    options.stop_at_end = true;
+    REQUIRE(planner.add_line(end, options));
+  }
+  (void)planner.next();
+  const double left = planner.queued_time();
+  CHECK(left >= 29.0);
+  CHECK(left <= 35.0);
 }
 
 }  // namespace cnc::motion::test

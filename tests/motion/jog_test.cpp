@@ -92,6 +92,25 @@ TEST_CASE("Step jogs add up while the axis is still on its way", "[MAN-2]") {
   CHECK(jog.position()[Axis::X] == 5.0);
 }
 
+TEST_CASE("Orders that void ticks have carried out are carried out again",
+          "[MAN-1][MAN-2][LNK-8]") {
+  JogPlanner jog = jog_at(0);
+  REQUIRE(jog.move_by(Axis::X, 2.0, 100).has_value());
+  draw(jog, 20);
+  const Position position = jog.position();
+  const Position velocity = jog.velocity();
+  draw(jog, 10'000);
+  REQUIRE(jog.position()[Axis::X] == 2.0);
+  jog.go_back(position, velocity, {});
+  CHECK_FALSE(jog.standing());
+  REQUIRE(jog.move_by(Axis::X, 3.0, 100).has_value());
+  CHECK_FALSE(jog.follows_velocity(Axis::X));
+  draw(jog, 10'000);
+  CHECK(jog.position()[Axis::X] == 5.0);
+  REQUIRE(jog.set_velocity(Axis::X, 1.0).has_value());
+  CHECK(jog.follows_velocity(Axis::X));
+}
+
 TEST_CASE("Jog values that are not usable are refused", "[MAN-1][MAN-2]") {
   AxisLimits limits = reference_limits();
   limits.max_velocity[Axis::B] = 0.0;

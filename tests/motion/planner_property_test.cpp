@@ -244,6 +244,16 @@ TEST_CASE("Programs that once left the tube stay in it", "[MOT-2][property]") {
   }
 }
 
+// What the soak found with limits of jerk: a setpoint that began 0.016 ms before the end of a cell
+// at which the jerk went from its limit to the other one.
+TEST_CASE("A program that once left a limit of acceleration keeps it", "[MOT-3][property]") {
+  Dice dice(620023);
+  const RandomProgram program = random_program(dice, 400, {.jerk = true});
+  const Verdict verdict = judge(program.without(30, 370).without(0, 5));
+  INFO(verdict.to_string());
+  CHECK(verdict.is_sound());
+}
+
 TEST_CASE("Random programs with all modes, holds and overrides keep limits and tube",
           "[MOT-1][MOT-2][MAN-8][MAN-9][property]") {
   for (std::uint32_t seed = 1; seed <= 60; ++seed) {

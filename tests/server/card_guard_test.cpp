@@ -97,6 +97,24 @@ TEST_CASE("A rule with a smooth stop ends the job along its path; positions stay
   CHECK(rig.position()[Axis::X] == Approx(5.0).margin(0.01));
 }
 
+TEST_CASE("A contact that bounces while nothing moves leaves a machine that drives",
+          "[CFG-16][LNK-5][safety]") {
+  GuardedRig rig(config::GuardAction::smooth_stop);
+  REQUIRE(rig.reset());
+  // Three times within a cycle: the board stops again for a touch that comes before its release.
+  auto& board = rig.simulation.virtual_controller().board();
+  for (int i = 0; i < 3; ++i) {
+    for (const bool on : {true, false}) {
+      rig.set_input(on);
+      board.advance_to(board.now() + 0.0005);
+    }
+  }
+  rig.run_for(0.1);
+  CHECK(rig.state() == State::ready);
+  REQUIRE(rig.mdi("G1 X10 F3000"));
+  CHECK(rig.position()[Axis::X] == Approx(10.0).margin(0.01));
+}
+
 TEST_CASE("A rule with a quick stop is a fault: positions of what moved are doubtful",
           "[CFG-16][LNK-5][safety]") {
   GuardedRig rig(config::GuardAction::quick_stop);

@@ -2,6 +2,7 @@
 // 3.4.24 and "Motor setup").
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <fmt/format.h>
 #include <numbers>
 
 #include "server/job/prediction.h"
@@ -107,4 +108,21 @@ TEST_CASE("With a fourth axis F is the speed of the tip on the work piece", "[MO
     INFO(row.rule << ": " << row.program);
     CHECK(time_of(machine, row.program + "\n", 0.0, 10.0) == Approx(row.seconds).epsilon(1e-3));
   }
+}
+
+TEST_CASE("Facing at constant surface speed: each place has the feed of the spindle's turns there",
+          "[MOT-8][GCO-7]") {
+  // 60 m/min and at most 2000 rpm: n(r) = 2000/60 turns per second up to r0 = 30/pi/2 mm, and
+  // 1000 / (2 pi r) behind it. The time is the integral of dr / (F n(r)) from 0 to 50 mm.
+  const double r0 = 1000.0 / (2.0 * kPi * 2000.0 / 60.0);
+  const double seconds =
+      r0 / (0.1 * 2000.0 / 60.0) + kPi * (50.0 * 50.0 - r0 * r0) / (0.1 * 1000.0);
+  const bool diameters = GENERATE(false, true);
+  const MachineData machine =
+      quick_machine({fmt::format("INTERPRETER.diameterProgramming={}", diameters ? 1 : 0)});
+  const double time = time_of(
+      machine, fmt::format("M3 G96 S60 D2000\nG95 G1 X{} F0.1\n", diameters ? 100 : 50), 0.0, 0.0);
+  // Never more than F per turn: the edge of each of the parts counts.
+  CHECK(time >= seconds);
+  CHECK(time <= 1.02 * seconds);
 }

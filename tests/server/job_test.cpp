@@ -394,3 +394,24 @@ TEST_CASE("A shut-down in the middle of a job brings the machine to rest", "[STA
   REQUIRE_FALSE(refused);
   CHECK(refused.error().code == ErrorCode::server_stopping);
 }
+
+TEST_CASE("A program finds the modes that the machine shows, not those of the job before",
+          "[GCO-6][STA-1]") {
+  const bool resets = GENERATE(false, true);
+  ReadyRig rig;
+  rig.start("G64 P0.5\nG1 X5 Y5 F3000\nG0 X2\n");
+  REQUIRE(rig.becomes(State::ready));
+  if (resets) REQUIRE(rig.reset());
+  double nearest = 10.0;
+  rig.machine.set_setpoint_listener([&](const motion::Setpoint& setpoint) {
+    nearest = std::min(
+        nearest, std::hypot(setpoint.position[Axis::X] - 10.0, setpoint.position[Axis::Y] - 5.0));
+  });
+  rig.start("G1 X10 F3000\nY10\n");
+  REQUIRE(rig.becomes(State::ready));
+  // A reset brings back G61; without one G64 stays.
+  if (resets)
+    CHECK(nearest < 0.001);
+  else
+    CHECK(nearest > 0.01);
+}

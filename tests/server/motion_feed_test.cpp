@@ -48,6 +48,7 @@ struct DensePath {
     feed.begin_cut(count);
     behind = feed.last_id();
     for (int i = 0; i < 20; ++i) emit();
+    clock += planning;
     feed.commit_cut();
     cycle();
     cycle();
@@ -57,7 +58,9 @@ struct DensePath {
   config::MachineConfig config = hal::sim::small_machine();
   Recording recording;
   Link link{std::make_unique<RecordingController>(recording)};
-  MotionFeed feed{link, config};
+  double clock = 0.0;     // s
+  double planning = 0.0;  // s that it goes on while a cut is made
+  MotionFeed feed{link, config, [this] { return clock; }};
   double now = 0.0;
   std::uint32_t behind = 0;  // the last cut
 };
@@ -110,6 +113,22 @@ TEST_CASE("Behind a late cut the path that the board brakes along goes on where 
   path.recording.room = 5;
   path.cycle();
   CHECK(path.recording.calls.size() == calls + 1 + 5);
+}
+
+TEST_CASE("A cut leaves the time that planning anew took the last time", "[LNK-8][MOT-3][safety]") {
+  DensePath path;
+  path.recording.room = 10 * kSent;
+  const std::size_t before = path.feed.replaceable();
+  path.planning = 0.008;
+  REQUIRE(path.cut(path.feed.replaceable()) == CutAnswer::taken);
+  for (std::size_t i = 20; i < before; ++i) path.emit();
+  path.planning = 0.0;
+  // 8 ms of segments of 0.25 ms more are kept; next time half as many.
+  const std::size_t sent = path.feed.under_way();
+  const std::size_t kept_at_first = kSent - kExecuting - before;
+  CHECK(sent - path.feed.replaceable() == kept_at_first + 32);
+  REQUIRE(path.cut(path.feed.replaceable()) == CutAnswer::taken);
+  CHECK(path.feed.under_way() - path.feed.replaceable() == kept_at_first + 16);
 }
 
 TEST_CASE("A quick stop forgets what the board had of a path", "[LNK-8][safety]") {

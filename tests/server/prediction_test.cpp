@@ -228,6 +228,33 @@ TEST_CASE("A prediction ends wherever its two threads wait for each other", "[JO
   CHECK_FALSE(predicted.get());
 }
 
+TEST_CASE("A job is predicted with the modes that it finds, those behind another job too",
+          "[JOB-2][JOB-5][threads]") {
+  MachineData data = free_machine();
+  data.analyse_jobs = true;
+  ReadyRig rig(std::move(data));
+  const auto found = [&] {
+    for (int i = 0; i < 500 && !rig.machine.findings(); ++i) {
+      std::this_thread::sleep_for(std::chrono::milliseconds(10));
+      rig.simulation.cycle();
+    }
+    REQUIRE(rig.machine.findings());
+    return rig.machine.findings();
+  };
+  REQUIRE(rig.mdi("G64 P0.2 F3000 G1 X5 Y5"));
+  const auto program = interp::Program::from_text("G1 X20\nY20\nX5\nY5\nG61 F1500\n", "test.nc");
+  REQUIRE(program);
+  REQUIRE(rig.machine.load(*program, "test.nc"));
+  for (const double feed : {50.0, 25.0}) {
+    const auto findings = found();
+    CHECK(findings->problem_count() == 0);
+    CHECK(findings->prediction.time() > 60.0 / feed);
+    REQUIRE(rig.machine.run());
+    REQUIRE(rig.becomes(State::ready));
+    CHECK(rig.shown()->job.elapsed == Approx(findings->prediction.time()).margin(0.15));
+  }
+}
+
 TEST_CASE("A loaded job is checked and predicted in the background", "[JOB-2][JOB-5][threads]") {
   MachineData data = free_machine();
   data.analyse_jobs = true;

@@ -69,6 +69,43 @@ TEST_CASE("A probe move is paused, resumed and stopped like any other", "[GCO-8]
   CHECK(macro.rig.position()[Axis::Z] == Approx(0.0).margin(1e-9));
 }
 
+TEST_CASE("A touch at any instant around the end of a probe move leaves a machine that drives",
+          "[GCO-8][safety]") {
+  double whole = 0.0;
+  for (int cycle = -4; cycle < 10; ++cycle) {
+    CAPTURE(cycle);
+    MacroRig macro("sub nothing\nendsub");
+    auto& simulation = macro.rig.simulation;
+    if (cycle == -4) {
+      const double begin = simulation.time();
+      REQUIRE(macro.run("G38.2 Z-20 F1200"));
+      whole = simulation.time() - begin;
+      REQUIRE(macro.run("G0 Z0"));
+    }
+    macro.rig.machine.mdi("G38.2 Z-20 F1200", [](const Result<void>&) {});
+    macro.rig.run_for(whole + 0.005 * cycle);
+    simulation.virtual_machine().stick_probe(true);
+    macro.rig.run_for(0.5);
+    simulation.virtual_machine().stick_probe(false);
+    REQUIRE(macro.rig.becomes(State::ready, 1.0));
+    REQUIRE(macro.run("G0 Z-5"));
+    CHECK(macro.rig.position()[Axis::Z] == Approx(-5.0));
+  }
+}
+
+TEST_CASE("A pause of a probe move waits for what the board has to hold, and no longer",
+          "[GCO-8]") {
+  MacroRig macro("sub nothing\nendsub");
+  macro.rig.machine.mdi("G38.2 Z-120 F600", [](const Result<void>&) {});
+  macro.rig.run_for(2.0);
+  const double begin = macro.rig.simulation.time();
+  REQUIRE(macro.rig.pause());
+  // hostTimeout 0.1 s, a ramp of 10 / 300 s, 0.03 s on its way; then that ramp, and a few cycles of
+  // 5 ms.
+  const double ramp = 10.0 / 300.0;
+  CHECK(macro.rig.simulation.time() - begin <= 0.1 + ramp + 0.03 + ramp + 0.02);
+}
+
 TEST_CASE("#5068 is the probe input at the place of its line", "[LNG-1]") {
   MacroRig macro("sub nothing\nendsub");
   REQUIRE(macro.run("msg \"up \"#5068"));

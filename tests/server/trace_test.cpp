@@ -32,7 +32,7 @@ struct TracedRig {
       : rig(free_machine(settings), traced(ring)) {}
 
   [[nodiscard]] Trace trace(double seconds = 30.0) {
-    const About about = about_machine(rig.machine.config(), {}, "virtual board");
+    const About about = about_machine(rig.machine.config(), "virtual board");
     auto parsed = parse_trace(trace_bytes(about, ring.copy(), seconds), "trace");
     REQUIRE(parsed);
     return std::move(*parsed);
@@ -108,7 +108,7 @@ const FaultRow kFaults[] = {
        f.board().trouble().cable_out = false;
        f.rig.run_for(0.5);
      },
-     {"fifo_underrun"}},  // FifoTime 0.25 s is over before the host counts as lost
+     {"link_lost"}},
     {"the board is reset",
      [](TracedRig& f) {
        f.board().board().reset();
@@ -182,7 +182,7 @@ TEST_CASE("Probing and homing are replayed with the recorded touch and switches"
   REQUIRE(rig.home({Axis::Z}));
   REQUIRE(rig.homed(Axis::Z));
   const auto trace = parse_trace(
-      trace_bytes(about_machine(rig.machine.config(), {}, "virtual board"), ring.copy()), "trace");
+      trace_bytes(about_machine(rig.machine.config(), "virtual board"), ring.copy()), "trace");
   REQUIRE(trace);
   const ReplayReport report = replayed(*trace);
   CHECK_FALSE(report.difference);
@@ -272,8 +272,7 @@ struct GuardedTrace {
   }
   [[nodiscard]] Trace trace() const {
     auto parsed = parse_trace(
-        trace_bytes(about_machine(rig.machine.config(), {}, "virtual board"), ring.copy()),
-        "trace");
+        trace_bytes(about_machine(rig.machine.config(), "virtual board"), ring.copy()), "trace");
     REQUIRE(parsed);
     return std::move(*parsed);
   }

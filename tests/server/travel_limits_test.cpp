@@ -88,3 +88,15 @@ TEST_CASE("The room beside a limit bounds the tolerance", "[STA-6][MOT-2]") {
   CHECK(tolerance_within_travel(config, extents, 0.5) == Approx(1e-4));
   CHECK(tolerance_within_travel(config, extents, 0.0) == 0.0);
 }
+
+TEST_CASE("Axes that cannot swing out leave the tolerance as it is", "[STA-6][MOT-2]") {
+  // A slave of X, whose own coordinate stays 0, and a rotary axis that rests at an end.
+  const std::string mode = GENERATE("AXIS_A.mode=slaveX", "AXIS_A.mode=rot");
+  const auto config =
+      server::test::shipped_machine({"AXIS_A.port=4", "AXIS_A.visible=1", mode,
+                                     "AXIS_A.negativeLimit=0", "AXIS_A.positiveLimit=600"})
+          .config;
+  motion::Extents extents;
+  for (const Axis axis : kLinearAxes) extents.min[axis] = extents.max[axis] = 5.0;
+  CHECK(tolerance_within_travel(config, extents, 0.5) == 0.5);
+}

@@ -1,13 +1,12 @@
 #include "hal/cpu5/driver/board_address.h"
 
 #include <algorithm>
+#include <boost/asio/ip/address_v4.hpp>
 #include <charconv>
-#include <chrono>
-#include <filesystem>
 #include <fmt/core.h>
 #include <fmt/ranges.h>
-#include <thread>
 
+#include "hal/cpu5/driver/board_search.h"
 #include "hal/cpu5/driver/serial_channel.h"
 #include "hal/cpu5/driver/udp_channel.h"
 
@@ -16,96 +15,66 @@ namespace {
 
 using boost::asio::ip::udp;
 using boost::system::error_code;
-using Clock = std::chrono::steady_clock;
+using Made = Result<std::unique_ptr<PacketChannel>>;
 
-constexpr std::chrono::milliseconds kPatience{500};
-constexpr std::chrono::milliseconds kPause{5};
+/// Asking around opens every serial line: not too often.
+constexpr std::chrono::milliseconds kSearchPause{2000};
 
-std::vector<std::string> serial_lines() {
-  std::vector<std::string> lines;
-  for (const char* folder : {"/dev/serial/by-id", "/dev"}) {
-    std::error_code missing;
-    for (const auto& entry : std::filesystem::directory_iterator(folder, missing)) {
-      const std::string name = entry.path().filename();
-      if (std::string_view(folder) != "/dev" || name.starts_with("ttyACM")) {
-        lines.push_back(entry.path());
-      }
-    }
-    if (!lines.empty()) break;  // by-id names the same lines, and keeps the names
-  }
-  return lines;
-}
-
-std::span<const std::uint8_t> question(std::span<std::uint8_t> memory) {
-  return wire::PacketWriter(memory, wire::PacketType::identify, 0).finish();
-}
-
-std::optional<wire::Identity> identity_in(std::span<const std::uint8_t> packet) {
-  auto received = wire::open_packet(packet);
-  wire::Identity identity;
-  const bool is_identity = received && received->header.type == wire::PacketType::identity &&
-                           wire::get_identity(received->body, identity);
-  return is_identity ? std::optional(identity) : std::nullopt;
-}
-
-/// A socket that hears everybody on the networks of this computer.
-class Shout {
- public:
-  Shout() : socket_(context_) {
-    error_code wrong;
-    socket_.open(udp::v4(), wrong);
-    socket_.set_option(boost::asio::socket_base::broadcast(true), wrong);
-    socket_.non_blocking(true, wrong);
-  }
-
-  void ask() {
-    std::array<std::uint8_t, wire::kHeaderSize + wire::kCrcSize> memory;
-    const auto packet = question(memory);
-    for (const auto& address :
-         {boost::asio::ip::make_address_v4(kBoardAddress), boost::asio::ip::address_v4::broadcast(),
-          boost::asio::ip::address_v4::loopback()}) {
-      error_code lost;
-      socket_.send_to(boost::asio::buffer(packet.data(), packet.size()),
-                      udp::endpoint(address, kBoardPort), 0, lost);
-    }
-  }
-
-  void hear(std::vector<FoundBoard>& boards) {
-    for (;;) {
-      std::array<std::uint8_t, wire::kMaxPacket> memory;
-      udp::endpoint from;
-      error_code nothing;
-      const std::size_t size = socket_.receive_from(boost::asio::buffer(memory), from, 0, nothing);
-      if (nothing) return;
-      const auto identity = identity_in(std::span(memory).first(size));
-      if (!identity) continue;
-      boards.push_back(
-          {fmt::format("udp:{}:{}", from.address().to_string(), from.port()), *identity});
-    }
-  }
-
- private:
-  boost::asio::io_context context_;
-  udp::socket socket_;
+struct Way {
+  bool may_lead_elsewhere = false;
+  LastingChannel::Maker make;
+  std::chrono::milliseconds pause{500};
 };
 
+Made opened(std::unique_ptr<PacketChannel> channel) {
+  if (auto done = channel->open(); !done) return std::unexpected(done.error());
+  return channel;
+}
+
+Result<std::uint16_t> read_port(std::string_view text) {
+  std::uint16_t port = 0;
+  const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), port);
+  if (wrong == std::errc{} && end == text.data() + text.size() && port != 0) return port;
+  return fail(ErrorCode::board_address_wrong,
+              fmt::format("\"{}\" is no port; it has to be a number from 1 to 65535.", text));
+}
+
+/// "auto", "172.22.2.101" or "172.22.2.101:5006".
+Result<udp::endpoint> read_local(std::string_view text) {
+  if (text == "auto") return udp::endpoint{};
+  const auto colon = text.rfind(':');
+  error_code wrong;
+  const auto address = boost::asio::ip::make_address_v4(std::string(text.substr(0, colon)), wrong);
+  if (wrong) {
+    return fail(ErrorCode::board_address_wrong,
+                fmt::format("\"{}\" is no address of this computer: it has to be auto, or like "
+                            "172.22.2.101 or, with a port, 172.22.2.101:5006.",
+                            text));
+  }
+  if (colon == text.npos) return udp::endpoint{address, 0};
+  const auto port = read_port(text.substr(colon + 1));
+  if (!port) return std::unexpected(port.error());
+  return udp::endpoint{address, *port};
+}
+
 /// The port behind the last colon, if there is one.
-Result<std::unique_ptr<PacketChannel>> make_udp_channel(std::string_view rest) {
+Result<Way> udp_way(std::string_view rest, const udp::endpoint& local) {
   const auto colon = rest.rfind(':');
   std::uint16_t port = kBoardPort;
   if (colon != rest.npos) {
-    const auto text = rest.substr(colon + 1);
-    const auto [end, wrong] = std::from_chars(text.data(), text.data() + text.size(), port);
-    if (wrong != std::errc{} || end != text.data() + text.size() || port == 0) {
-      return fail(ErrorCode::board_address_wrong,
-                  fmt::format("\"{}\" is no port; it has to be a number from 1 to 65535.", text));
-    }
+    const auto read = read_port(rest.substr(colon + 1));
+    if (!read) return std::unexpected(read.error());
+    port = *read;
   }
-  return std::make_unique<UdpChannel>(std::string(rest.substr(0, colon)), port);
+  // A name may lead to another address by then.
+  return Way{.may_lead_elsewhere = true,
+             .make = [host = std::string(rest.substr(0, colon)), port, local] {
+               return opened(std::make_unique<UdpChannel>(host, port, local));
+             }};
 }
 
 /// Names of devices have colons; the rate is behind the last @.
-Result<std::unique_ptr<PacketChannel>> make_serial_channel(std::string_view rest) {
+Result<Way> serial_way(std::string_view rest) {
   const auto at = rest.rfind('@');
   unsigned rate = SerialChannel::kUsualRate;
   if (at != rest.npos) {
@@ -121,64 +90,66 @@ Result<std::unique_ptr<PacketChannel>> make_serial_channel(std::string_view rest
               text, fmt::join(SerialChannel::kRates, ", ")));
     }
   }
-  return std::make_unique<SerialChannel>(std::string(rest.substr(0, at)), rate);
+  return Way{.may_lead_elsewhere = false, .make = [device = std::string(rest.substr(0, at)), rate] {
+               return opened(std::make_unique<SerialChannel>(device, rate));
+             }};
 }
 
-}  // namespace
+/// Whoever answers, if that is one.
+Made make_found(const udp::endpoint& local);
 
-std::vector<FoundBoard> find_boards() {
-  std::vector<FoundBoard> boards;
-  Shout shout;
-  std::vector<std::unique_ptr<SerialChannel>> lines;
-  for (const std::string& device : serial_lines()) {
-    auto line = std::make_unique<SerialChannel>(device);
-    if (line->open()) lines.push_back(std::move(line));
-  }
-  std::array<std::uint8_t, wire::kHeaderSize + wire::kCrcSize> memory;
-  shout.ask();
-  for (const auto& line : lines) line->send(question(memory));
-  for (const auto until = Clock::now() + kPatience; Clock::now() < until;) {
-    shout.hear(boards);
-    for (const auto& line : lines) {
-      if (const auto identity = identity_in(line->receive())) {
-        boards.push_back({line->name(), *identity});
-      }
-    }
-    std::this_thread::sleep_for(kPause);
-  }
-  // A board that hears more than one question answers each.
-  std::ranges::sort(boards, {}, &FoundBoard::address);
-  const auto [first, last] = std::ranges::unique(boards, {}, &FoundBoard::address);
-  boards.erase(first, last);
-  return boards;
-}
-
-Result<std::unique_ptr<PacketChannel>> make_channel(std::string_view address) {
+Result<Way> way_to(std::string_view address, const udp::endpoint& local) {
   constexpr std::string_view kUdp = "udp:";
   constexpr std::string_view kSerial = "serial:";
-  if (address.starts_with(kUdp)) return make_udp_channel(address.substr(kUdp.size()));
-  if (address.starts_with(kSerial)) return make_serial_channel(address.substr(kSerial.size()));
-  if (address != "auto") {
-    return fail(
-        ErrorCode::board_address_wrong,
-        fmt::format("\"{}\" is no address of a board: it has to be auto, udp:HOST:PORT or "
-                    "serial:/dev/NAME, with @RATE behind it for a line with wires that does "
-                    "not run at {} baud.",
-                    address, SerialChannel::kUsualRate));
+  if (address.starts_with(kUdp)) return udp_way(address.substr(kUdp.size()), local);
+  if (address.starts_with(kSerial)) return serial_way(address.substr(kSerial.size()));
+  if (address == "auto") {
+    return Way{.may_lead_elsewhere = true,
+               .make = [local] { return make_found(local); },
+               .pause = kSearchPause};
   }
-  const auto boards = find_boards();
-  if (boards.size() == 1) return make_channel(boards.front().address);
+  return fail(ErrorCode::board_address_wrong,
+              fmt::format("\"{}\" is no address of a board: it has to be auto, udp:HOST:PORT or "
+                          "serial:/dev/NAME, with @RATE behind it for a line with wires that does "
+                          "not run at {} baud.",
+                          address, SerialChannel::kUsualRate));
+}
+
+Made make_found(const udp::endpoint& local) {
+  const auto boards = find_boards(local);
   if (boards.empty()) {
     return fail(ErrorCode::board_silent,
                 fmt::format("No controller board was found: none answers at {}, on the networks of "
                             "this computer, or on the serial lines {} at {} baud.",
                             kBoardAddress, serial_lines(), SerialChannel::kUsualRate));
   }
-  std::vector<std::string> addresses;
-  for (const FoundBoard& board : boards) addresses.push_back(board.address);
-  return fail(ErrorCode::board_address_wrong,
-              fmt::format("There are {} controller boards, {}: say which.", boards.size(),
-                          fmt::join(addresses, ", ")));
+  if (boards.size() > 1) {
+    std::vector<std::string> addresses;
+    for (const FoundBoard& board : boards) addresses.push_back(board.address);
+    return fail(ErrorCode::board_ambiguous,
+                fmt::format("There are {} controller boards, {}: the setting board has to say "
+                            "which, or one of them has to be switched off.",
+                            boards.size(), fmt::join(addresses, ", ")));
+  }
+  const auto way = way_to(boards.front().address, local);
+  if (!way) return std::unexpected(way.error());
+  return way->make();
+}
+
+}  // namespace
+
+Result<std::unique_ptr<PacketChannel>> make_channel(std::string_view address,
+                                                    std::string_view local_address,
+                                                    LastingChannel::Listener listener) {
+  const auto local = read_local(local_address);
+  if (!local) return std::unexpected(local.error());
+  auto way = way_to(address, *local);
+  if (!way) return std::unexpected(way.error());
+  return std::make_unique<LastingChannel>(
+      std::move(way->make), LastingChannel::Settings{.name = std::string(address),
+                                                     .pause = way->pause,
+                                                     .may_lead_elsewhere = way->may_lead_elsewhere,
+                                                     .listener = std::move(listener)});
 }
 
 }  // namespace cnc::hal::cpu5

@@ -13,6 +13,7 @@ namespace cnc::hal::cpu5 {
 /// What is known of the board after an exchange.
 struct BoardAnswer {
   bool connected = false;
+  LinkObstacle obstacle{};      ///< while not connected, as far as is known
   std::uint32_t greetings = 0;  ///< sessions so far: one more after every loss of the link
   bool counts_lost = false;     ///< the board was reset before the present session
   std::uint64_t frames_done =

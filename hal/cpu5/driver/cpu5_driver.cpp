@@ -6,6 +6,9 @@
 #include "hal/cpu5/driver/board_values.h"
 
 namespace cnc::hal::cpu5 {
+
+using Kind = LinkObstacle::Kind;
+
 namespace {
 
 static_assert(firmware::kAxisCount == cnc::kAxisCount);
@@ -54,6 +57,11 @@ double phase_of(const firmware::Status& board) {
 
 }  // namespace
 
+DriverSettings driver_settings(const config::MachineConfig& config) {
+  return {.max_step_frequency = static_cast<double>(config.connection.max_step_frequency),
+          .host_timeout = config.connection.host_timeout};
+}
+
 Cpu5Driver::Cpu5Driver(const config::MachineConfig& config, const DriverSettings& settings,
                        std::unique_ptr<BoardPort> port)
     : axes_(config.axes),
@@ -70,13 +78,9 @@ Result<Capabilities> Cpu5Driver::connect() {
   if (auto checked = check_axes(); !checked) return std::unexpected(checked.error());
   const auto board = port_->open(setup());
   if (!board) return std::unexpected(board.error());
-  if (board->max_step_frequency < settings_.max_step_frequency) {
-    port_->close();
-    return fail(ErrorCode::step_frequency_too_high,
-                fmt::format("The board makes {} steps/s at most; {} are set up.",
-                            board->max_step_frequency, settings_.max_step_frequency));
-  }
   take(port_->exchange());
+  if (const LinkObstacle unsuitable = obstacle_in(*board); unsuitable.kind != Kind::none)
+    return std::unexpected(error_of(unsuitable));
   return Capabilities{.fifo_capacity = fifo_capacity_,
                       .max_step_frequency = settings_.max_step_frequency,
                       .min_segment_duration = seconds(firmware::kMinSegmentTicks)};
@@ -124,6 +128,14 @@ Result<void> Cpu5Driver::check_axes() const {
   return {};
 }
 
+/// Whatever the board itself thinks of it: another one may have taken its place.
+LinkObstacle Cpu5Driver::obstacle_in(const wire::Identity& board) const {
+  if (board.max_step_frequency >= settings_.max_step_frequency) return {};
+  const double wanted = std::fmin(std::fmax(settings_.max_step_frequency, 0.0), 1e9);
+  return {Kind::too_slow, 0, board.max_step_frequency,
+          static_cast<std::uint32_t>(std::lround(wanted))};
+}
+
 void Cpu5Driver::disconnect() {
   port_->close();
   status_.connected = false;
@@ -131,7 +143,7 @@ void Cpu5Driver::disconnect() {
 
 const ControllerStatus& Cpu5Driver::exchange(double now) {
   port_->receive(now);
-  if (has_requests_) send_frames();
+  if (has_requests_ && status_.connected) send_frames();
   take(port_->exchange());
   return status_;
 }
@@ -163,10 +175,11 @@ bool Cpu5Driver::begin_frame() {
 }
 
 void Cpu5Driver::take(const BoardAnswer& answer) {
-  status_.connected = answer.connected;
+  status_.obstacle = answer.connected ? obstacle_in(answer.identity) : answer.obstacle;
+  status_.connected = answer.connected && status_.obstacle.kind == Kind::none;
   status_.frames_done = answer.frames_done;
   status_.packets = answer.packets;
-  if (!answer.connected) return;
+  if (!status_.connected) return;
   if (answer.greetings != greetings_) begin_session(answer);
   board_ = answer.status;
   status_.round_trip = answer.round_trip;

@@ -28,6 +28,9 @@ struct DriverSettings {
   bool drives_off_on_fault = true;
 };
 
+/// What the configuration says of them.
+[[nodiscard]] DriverSettings driver_settings(const config::MachineConfig& config);
+
 class Cpu5Driver : public Controller {
  public:
   Cpu5Driver(const config::MachineConfig& config, const DriverSettings& settings,
@@ -73,6 +76,7 @@ class Cpu5Driver : public Controller {
   static constexpr std::size_t kOutbox = firmware::kFifoCapacity / firmware::kSegmentsPerFrame + 3;
 
   [[nodiscard]] Result<void> check_axes() const;
+  [[nodiscard]] LinkObstacle obstacle_in(const wire::Identity& board) const;
   [[nodiscard]] firmware::Setup setup() const;
   [[nodiscard]] firmware::Segment to_board(const Segment& segment);
   void drop_segments();

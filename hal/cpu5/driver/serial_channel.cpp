@@ -50,12 +50,11 @@ Result<void> SerialChannel::open() {
 void SerialChannel::close() {
   error_code ignored;
   port_.close(ignored);
+  is_gone_ = false;
 }
 
-/// A line that was pulled out is tried again with each packet. While it has not taken the whole
-/// packet before, this one is lost.
+/// While the line has not taken the whole packet before, this one is lost.
 void SerialChannel::send(std::span<const std::uint8_t> packet) {
-  if (!port_.is_open() && !open()) return;
   write_rest();
   if (write_place_ < write_size_) return;
   write_size_ = wire::write_cobs(packet, written_);
@@ -64,28 +63,28 @@ void SerialChannel::send(std::span<const std::uint8_t> packet) {
 }
 
 void SerialChannel::write_rest() {
-  while (port_.is_open() && write_place_ < write_size_) {
+  while (is_open() && write_place_ < write_size_) {
     const auto taken =
         ::write(port_.native_handle(), written_.data() + write_place_, write_size_ - write_place_);
-    if (taken <= 0) return close_if_gone(taken);
+    if (taken <= 0) return note_if_gone(taken);
     write_place_ += static_cast<std::size_t>(taken);
   }
 }
 
 /// `result` of a read or write, not more than 0.
-void SerialChannel::close_if_gone(::ssize_t result) {
-  if (result < 0 && errno != EAGAIN && errno != EINTR) close();
+void SerialChannel::note_if_gone(::ssize_t result) {
+  if (result < 0 && errno != EAGAIN && errno != EINTR) is_gone_ = true;
 }
 
 std::span<const std::uint8_t> SerialChannel::receive() {
   write_rest();
-  while (port_.is_open()) {
+  while (is_open()) {
     while (read_place_ < read_size_) {
       if (reader_.take(read_[read_place_++])) return reader_.packet();
     }
     const auto size = ::read(port_.native_handle(), read_.data(), read_.size());
     if (size <= 0) {
-      close_if_gone(size);
+      note_if_gone(size);
       return {};
     }
     read_place_ = 0;

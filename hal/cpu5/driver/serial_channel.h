@@ -26,18 +26,20 @@ class SerialChannel final : public PacketChannel {
 
   Result<void> open() override;
   void close() override;
+  [[nodiscard]] bool is_open() const override { return port_.is_open() && !is_gone_; }
   void send(std::span<const std::uint8_t> packet) override;
   std::span<const std::uint8_t> receive() override;
   [[nodiscard]] std::string name() const override { return "serial:" + device_; }
 
  private:
   void write_rest();
-  void close_if_gone(::ssize_t result);
+  void note_if_gone(::ssize_t result);
 
   std::string device_;
   unsigned rate_;
   boost::asio::io_context context_;
   boost::asio::serial_port port_;
+  bool is_gone_ = false;  // pulled out; closing it would be too slow for the link thread
   wire::CobsReader<wire::kMaxPacket> reader_;
   std::array<std::uint8_t, 4096> read_{};
   std::size_t read_place_ = 0;

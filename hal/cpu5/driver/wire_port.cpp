@@ -16,6 +16,7 @@ using wire::ByteWriter;
 using wire::PacketType;
 using wire::PacketWriter;
 using wire::RefusalReason;
+using Kind = LinkObstacle::Kind;
 
 namespace {
 
@@ -31,7 +32,27 @@ constexpr double kDeviations = 4.0;
 constexpr double kShortestWait = 0.002;  // s
 constexpr double kLongestWait = 0.1;
 
+/// Greetings without an answer until the board counts as silent, and until the channel is asked to
+/// look elsewhere.
+constexpr unsigned kSilentGreetings = 10;
+constexpr unsigned kVainGreetings = 20;
+
 constexpr double kStampsPerSecond = 1e6;
+
+LinkObstacle obstacle_of(const wire::Refusal& refusal) {
+  switch (refusal.reason) {
+    case RefusalReason::other_version:
+      return {Kind::other_version, refusal.lowest_version, refusal.highest_version, wire::kVersion};
+    case RefusalReason::busy:
+      return {Kind::busy};
+    case RefusalReason::bad_setup:
+      return {Kind::bad_setup};
+    case RefusalReason::no_session:
+    case RefusalReason::not_understood:
+      break;
+  }
+  return {Kind::not_understood};
+}
 
 std::uint32_t random_session() {
   std::random_device random;
@@ -58,10 +79,10 @@ WirePort::~WirePort() { WirePort::close(); }
 Result<void> WirePort::begin(const firmware::Setup& setup) {
   if (state_ == State::running) close();
   setup_ = setup;
-  if (auto opened = channel_->open(); !opened) return opened;
   state_ = State::greeting;
-  refusal_.reset();
-  return {};
+  greetings_in_vain_ = 0;
+  answer_.obstacle = {};
+  return channel_->open();
 }
 
 Result<wire::Identity> WirePort::open(const firmware::Setup& setup) {
@@ -76,39 +97,12 @@ Result<wire::Identity> WirePort::open(const firmware::Setup& setup) {
     }
     receive_all();
     if (answer_.connected) return answer_.identity;
-    if (refusal_ && refusal_->reason != RefusalReason::busy) break;
+    if (answer_.obstacle.kind != Kind::none && answer_.obstacle.kind != Kind::busy) break;
     std::this_thread::sleep_for(kOpenPause);
   }
-  return std::unexpected(no_answer());
-}
-
-Error WirePort::no_answer() const {
-  const auto error = [&](ErrorCode code, const std::string& message) {
-    return Error{code, fmt::format("The controller board at {} {}", channel_->name(), message), {}};
-  };
-  if (!refusal_) {
-    return error(ErrorCode::board_silent,
-                 "does not answer. It has to be switched on, its cable plugged in, and the address "
-                 "be its own.");
-  }
-  switch (refusal_->reason) {
-    case RefusalReason::other_version:
-      return error(
-          ErrorCode::board_version,
-          fmt::format("speaks versions {} to {} of the protocol; this program speaks {}.",
-                      refusal_->lowest_version, refusal_->highest_version, wire::kVersion));
-    case RefusalReason::busy:
-      return error(ErrorCode::board_busy, "is moving, or has another host that is not silent.");
-    case RefusalReason::bad_setup:
-      return error(
-          ErrorCode::board_setup_refused,
-          "refused its setup: the maximum step frequency, a time of the pulses, a time-out "
-          "or an acceleration is out of range.");
-    default:
-      return error(ErrorCode::board_version,
-                   "does not understand the greeting: its firmware and this program are of "
-                   "different versions.");
-  }
+  if (answer_.obstacle.kind == Kind::none) answer_.obstacle.kind = Kind::silent;
+  return std::unexpected(
+      error_of(answer_.obstacle, fmt::format("The controller board at {}", channel_->name())));
 }
 
 void WirePort::close() {
@@ -124,6 +118,7 @@ void WirePort::close() {
 
 void WirePort::greet() {
   greeted_at_ = now_;
+  if (channel_->is_open()) note_greeting();
   std::array<std::uint8_t, wire::kMaxPacket> memory;
   PacketWriter hello(memory, PacketType::hello, session_);
   wire::put_setup(hello.body(), setup_);
@@ -131,11 +126,21 @@ void WirePort::greet() {
   ++answer_.packets.sent;
 }
 
+void WirePort::note_greeting() {
+  ++greetings_in_vain_;
+  if (greetings_in_vain_ % kSilentGreetings == 0) answer_.obstacle = {Kind::silent};
+  if (greetings_in_vain_ % kVainGreetings == 0) channel_->look_elsewhere();
+}
+
 bool WirePort::take_welcome(ByteReader& body) {
   wire::Identity identity;
-  const bool usable = state_ == State::greeting && wire::get_identity(body, identity) &&
-                      identity.axes == firmware::kAxisCount && identity.window > 0;
-  if (!usable) return false;
+  if (state_ != State::greeting || !wire::get_identity(body, identity)) return false;
+  greetings_in_vain_ = 0;
+  answer_.obstacle = {};
+  if (identity.window == 0) answer_.obstacle = {Kind::not_understood};
+  if (identity.axes != firmware::kAxisCount)
+    answer_.obstacle = {Kind::other_axes, identity.axes, identity.axes, firmware::kAxisCount};
+  if (answer_.obstacle.kind != Kind::none) return false;
   answer_.identity = identity;
   window_ = std::min<std::uint32_t>(identity.window, kWindow);
   answer_.counts_lost = boot_known_ && identity.boot != boot_;
@@ -153,8 +158,12 @@ bool WirePort::take_welcome(ByteReader& body) {
 bool WirePort::take_refusal(ByteReader& body) {
   wire::Refusal refusal;
   if (!wire::get_refusal(body, refusal)) return false;
-  if (state_ == State::greeting) refusal_ = refusal;
-  if (state_ == State::running) lose_link();
+  if (state_ == State::running) {
+    lose_link();
+  } else if (state_ == State::greeting) {
+    greetings_in_vain_ = 0;
+    answer_.obstacle = obstacle_of(refusal);
+  }
   return true;
 }
 
@@ -162,6 +171,7 @@ bool WirePort::take_refusal(ByteReader& body) {
 void WirePort::lose_link() {
   state_ = State::greeting;
   session_ = session_after(session_);
+  greetings_in_vain_ = 0;
   answer_.connected = false;
   answer_.frames_done = frames_sent_;
   executed_ = sequence_;

@@ -7,7 +7,7 @@
 //
 // A board that is silent for longer than the time-out, or does not know the session (it was reset,
 // or another host has it), is lost: what is on its way is void, and the port greets until it is
-// welcome again.
+// welcome again. Why it is not is in BoardAnswer::obstacle.
 #pragma once
 
 #include <array>
@@ -30,7 +30,7 @@ class WirePort : public BoardPort {
   /// Says goodbye: the board is free for the next host at once.
   ~WirePort() override;
 
-  /// The first half of open(): exchange() will greet the board.
+  /// The first half of open(): exchange() will greet the board, also when this fails.
   Result<void> begin(const firmware::Setup& setup);
   Result<wire::Identity> open(const firmware::Setup& setup) override;
   void close() override;
@@ -55,6 +55,7 @@ class WirePort : public BoardPort {
   };
 
   void greet();
+  void note_greeting();
   void receive_all();
   void take(std::span<const std::uint8_t> packet);
   // Each answers whether the packet brought something.
@@ -71,7 +72,6 @@ class WirePort : public BoardPort {
   void lose_link();
   [[nodiscard]] std::uint32_t stamp() const;
   [[nodiscard]] std::uint32_t on_their_way() const { return sequence_ - executed_; }
-  [[nodiscard]] Error no_answer() const;
 
   std::unique_ptr<PacketChannel> channel_;
   WireSettings settings_;
@@ -79,13 +79,13 @@ class WirePort : public BoardPort {
   State state_ = State::closed;
   double now_ = 0.0;
   double greeted_at_ = -1.0;
+  unsigned greetings_in_vain_ = 0;
   bool asked_ = false;                      // something that is to be answered
   std::optional<double> unanswered_since_;  // the first look for an answer that was in vain
 
   std::uint32_t session_ = 0;
   std::uint32_t boot_ = 0;
   bool boot_known_ = false;
-  std::optional<wire::Refusal> refusal_;  // the last answer to a greeting
 
   std::array<Sent, kWindow> frames_;  // by number
   std::uint32_t window_ = 0;          // what board and port both have room for

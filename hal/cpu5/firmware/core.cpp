@@ -193,7 +193,7 @@ void Core::clear_faults() {
   const HostCall call(*this);
   player_.forget_alarms();  // first: one that comes now is seen
   stop_pulses();
-  stop_again_ = false;
+  stop_again_ = host_is_lost_ = false;
   faults_ = 0;
   if (player_.inputs_now().estop()) fail(kEstop);  // still pressed
 }
@@ -280,6 +280,7 @@ void Core::stop_pulses() {
 
 void Core::fail(FaultBits fault) {
   stop_pulses();
+  host_is_lost_ = false;
   if ((faults_ & fault) == fault) return;
   faults_ = static_cast<FaultBits>(faults_ | fault);
   player_.set_outputs(safe_outputs());

@@ -44,8 +44,8 @@
 // room below Setup::max_velocity.
 //
 // A host that has not been heard for Setup::host_timeout is lost: the board stops along the path,
-// and then it is the fault kLinkLost. The FIFO has to hold what braking takes, or it runs dry
-// before.
+// and then it is the fault kLinkLost, also when the host is heard again meanwhile. The FIFO has to
+// hold what braking takes, or it runs dry before.
 //
 // A segment may change outputs: at the tick at which it begins, as it is played. One that is
 // dropped by a cut, a stop or a fault has not begun and switches nothing.
@@ -171,6 +171,7 @@ class Core {
   std::atomic<bool> plan_put_off_ = false;
   bool host_known_ = false;
   Ticks host_heard_ = 0;
+  bool host_is_lost_ = false;  // it was silent for too long: a fault as soon as the machine stands
   static constexpr Ticks kHostGone = -1;  // of host_heard_: it has said so
 
   SegmentFifo<kFifoCapacity> fifo_;

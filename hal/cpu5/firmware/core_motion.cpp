@@ -43,12 +43,14 @@ void Core::plan_now() {
     probe_awaited_ = false;
     begin_stop();
   }
-  // What a silent host has sent need not end at a standstill: the board brakes along it.
-  const bool host_is_lost = faults_ == 0 && host_silent();
-  if (host_is_lost) begin_stop();
+  // What a silent host has sent need not end at a standstill: the board brakes along it. A host
+  // that speaks again meanwhile is told all the same: the path that it knows is not driven any
+  // more.
+  if (faults_ == 0 && host_silent()) host_is_lost_ = true;
+  if (host_is_lost_) begin_stop();
   while (!player_.full() && has_path()) plan_slice();
   if (stop_is_planned_ && player_.idle()) complete_stop();
-  if (host_is_lost && path_stop_ == PathStop::stopped) fail(kLinkLost);
+  if (host_is_lost_ && path_stop_ == PathStop::stopped) fail(kLinkLost);
 }
 
 /// A spindle that does not turn holds what waits for it or follows it, but not for ever.
