@@ -1,10 +1,11 @@
 #include "config/config_checks.h"
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <optional>
+
+#include "config/ramp.h"
 
 namespace cnc::config {
 namespace {
@@ -85,37 +86,30 @@ Finding check_home_position(const MachineConfig& config, Axis axis) {
 }
 
 /// s of motion that the board holds at the most: its FIFO has 256 segments (hal/cpu5/PROTOCOL.md).
-double motion_held(const TrajectoryConfig& times) {
-  constexpr double kSegmentsOfFifo = 256.0;
-  return std::min(times.fifo_time, kSegmentsOfFifo * times.interpolation_time);
+double motion_held(const MachineConfig& config) {
+  return 256.0 * config.trajectory.interpolation_time;
 }
 
-/// A board that hears nothing for hostTimeout brakes along the motion that it holds. From the speed
-/// v with the acceleration a it needs the way v^2 / (2 a), which at v is v / (2 a) of that motion.
-/// Where it ends too early the axis stops on the spot, and its position is in doubt.
+/// A board that hears nothing for hostTimeout stops along the motion that it holds. Where the plan
+/// itself brakes an axis the board cannot do it any sooner, so that all of the ramp has to be there
+/// before the silence begins. Where it ends too early the axis stops on the spot, and its position
+/// is in doubt.
 Finding check_way_to_brake(const MachineConfig& config, Axis axis) {
   constexpr double kRounding = 1e-9;
   const AxisConfig& row = config.axes[axis];
-  const double braking = row.velocity / (2.0 * row.acceleration);
+  const double braking = braking_time(row.velocity, row.acceleration, row.jerk);
   const double needed = config.connection.host_timeout + braking;
-  const double held = motion_held(config.trajectory);
+  const double held = motion_held(config);
   if (needed <= held + kRounding) return std::nullopt;
-  TrajectoryConfig longer = config.trajectory;
-  longer.fifo_time = std::ceil((needed - kRounding) * 100.0) / 100.0;
-  const std::string right =
-      motion_held(longer) + kRounding >= needed &&
-              longer.fifo_time <= find_setting("TRAJECTORY", "fifoTime")->max
-          ? fmt::format("fifoTime should be {} s at least, or the acceleration higher",
-                        longer.fifo_time)
-          : "the acceleration should be higher, or the velocity or hostTimeout lower";
   return Error{
       ErrorCode::config_way_to_brake_short,
-      fmt::format(
-          "{} and {}: a board that no longer hears the server would need {:.3f} s "
-          "of motion, {} s of silence and {:.3f} s to brake, and holds {} s. It would stop at "
-          "once, and the position be in doubt; {}.",
-          shown(config, axis, "velocity"), shown(config, axis, "acceleration"), needed,
-          config.connection.host_timeout, braking, held, right),
+      fmt::format("{} and {}: a board that no longer hears the server would need {:.3f} s of "
+                  "motion, {} s of silence and {:.3f} s to brake, and holds {:.3g} s, 256 times "
+                  "interpolationTime. It would stop at once, and the position be in doubt; the "
+                  "acceleration or interpolationTime should be higher, or the velocity or "
+                  "hostTimeout lower.",
+                  shown(config, axis, "velocity"), shown(config, axis, "acceleration"), needed,
+                  config.connection.host_timeout, braking, held),
       std::nullopt};
 }
 
@@ -155,11 +149,12 @@ Finding check_pulse_width(const MachineConfig& config, Axis) {
 }
 
 Finding check_host_timeout(const MachineConfig& config, Axis) {
-  if (config.connection.host_timeout < config.trajectory.fifo_time) return std::nullopt;
+  if (config.connection.host_timeout < motion_held(config)) return std::nullopt;
   return Error{ErrorCode::config_host_timeout_too_long,
-               fmt::format("{} must be less than {}: what the board still has is its way to brake.",
-                           shown(config, "CONNECTION", "hostTimeout"),
-                           shown(config, "TRAJECTORY", "fifoTime")),
+               fmt::format("{} must be less than {:.3g} s, 256 times {}: what the board still has "
+                           "is its way to brake.",
+                           shown(config, "CONNECTION", "hostTimeout"), motion_held(config),
+                           shown(config, "TRAJECTORY", "interpolationTime")),
                std::nullopt};
 }
 

@@ -6,6 +6,7 @@
 #include <limits>
 
 #include "config/axis.h"
+#include "config/ramp.h"
 
 namespace cnc::motion {
 
@@ -20,14 +21,10 @@ struct AxisLimits {
   }
 };
 
-/// Time in which an axis comes to rest from `speed`: v/a, and a/j more to build the braking up and
-/// to give it back; 2 sqrt(v/j) where it never reaches a.
+/// Time in which an axis comes to rest from `speed`; an axis without limits may be asked for 0.
 [[nodiscard]] inline double braking_time(const AxisLimits& limits, Axis axis, double speed) {
   if (speed == 0.0) return 0.0;
-  const double a = limits.max_acceleration[axis];
-  const double j = limits.max_jerk[axis];
-  if (j == 0.0) return speed / a;
-  return speed * j < a * a ? 2.0 * std::sqrt(speed / j) : speed / a + a / j;
+  return config::braking_time(speed, limits.max_acceleration[axis], limits.max_jerk[axis]);
 }
 
 /// Largest factor that keeps |factor * direction| within `limit` on every axis; infinite for a

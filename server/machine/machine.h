@@ -229,6 +229,7 @@ class Machine {
   std::string program_path_;
   std::unique_ptr<JobAnalysis> analysis_;
   std::shared_ptr<const JobFindings> findings_;
+  std::string told_finding_;  // the last warning about the loaded job
   double elapsed_ = 0.0;
   std::uint64_t move_ = 0;   // of the job, in execution
   double move_began_ = 0.0;  // elapsed_ then

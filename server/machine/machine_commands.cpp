@@ -96,6 +96,7 @@ Result<void> Machine::load(std::shared_ptr<const interp::Program> program, std::
   elapsed_ = move_began_ = 0.0;
   move_ = line_ = runs_ = 0;
   ended_well_ = false;
+  told_finding_.clear();
   analyse();
   log_.add(Severity::info,
            fmt::format("Loaded {} ({} lines).", program_path_, program_->line_count()));

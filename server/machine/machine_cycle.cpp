@@ -35,8 +35,12 @@ void Machine::take_findings() {
   if (!findings_ || findings_->problem_count() == 0) return;
   const Error first = findings_->report.errors.empty() ? *findings_->prediction.error
                                                        : findings_->report.errors[0].to_error();
-  log_.add(Severity::warning, fmt::format("The job would stop with an error ({} found), first: {}",
-                                          findings_->problem_count(), first.to_string()));
+  std::string warning = fmt::format("The job would stop with an error ({} found), first: {}",
+                                    findings_->problem_count(), first.to_string());
+  // Looked at again, behind each run and reset, it is no news.
+  if (warning == told_finding_) return;
+  log_.add(Severity::warning, warning);
+  told_finding_ = std::move(warning);
 }
 
 void Machine::cycle_job() {

@@ -22,30 +22,20 @@ void ManualMotion::begin(const AxisArray<bool>& limited) {
 
 void ManualMotion::drop() {
   planner_ = planner_at_rest();
-  speeds_ = {};
   apply_wanted_ = false;
   error_.reset();
 }
 
 Result<void> ManualMotion::set_velocity(Axis axis, double velocity) {
-  if (auto set = planner_.set_velocity(axis, velocity); !set) return set;
-  note_speed(axis, velocity);
-  return {};
+  return planner_.set_velocity(axis, velocity);
 }
 
 /// Where an axis that follows a velocity comes to the end of what is planned says nothing to
 /// whoever gives a step.
 Result<void> ManualMotion::move_by(Axis axis, double distance, double speed) {
-  auto moved = planner_.follows_velocity(axis)
-                   ? planner_.move_to(axis, feed_.board().position[axis] + distance, speed)
-                   : planner_.move_by(axis, distance, speed);
-  if (moved) note_speed(axis, speed);
-  return moved;
-}
-
-void ManualMotion::note_speed(Axis axis, double speed) {
-  const double driven = std::min(std::abs(speed), feed_.limits().max_velocity[axis]);
-  speeds_[axis] = std::max(speeds_[axis], driven);
+  return planner_.follows_velocity(axis)
+             ? planner_.move_to(axis, feed_.board().position[axis] + distance, speed)
+             : planner_.move_by(axis, distance, speed);
 }
 
 void ManualMotion::stop() { planner_.stop(); }
@@ -64,8 +54,7 @@ void ManualMotion::cut(std::size_t count) {
 }
 
 void ManualMotion::draw() {
-  const double lead = feed_.lead_for(speeds_);
-  while (!error_ && feed_.wants_more(lead)) {
+  while (!error_ && feed_.wants_more()) {
     const auto setpoint = planner_.next();
     if (!setpoint) return;
     if (auto sent = feed_.emit(*setpoint); !sent) error_ = std::move(sent.error());
@@ -78,7 +67,6 @@ Result<void> ManualMotion::cycle() {
   if (apply_wanted_) apply();
   draw();
   if (error_) return std::unexpected(*std::exchange(error_, std::nullopt));
-  if (at_rest()) speeds_ = {};
   return {};
 }
 

@@ -1,7 +1,7 @@
 // Axes driven one by one: what jogging and homing have in common.
 //
 // The board always holds what it takes to stop along the path should it hear nothing any more
-// (MotionFeed::lead_for()). An order does not wait until that has been driven: what the board has
+// (MotionFeed::lead()). An order does not wait until that has been driven: what the board has
 // not begun is cut off and planned anew, and the order acts within 10 ms. Executor thread only.
 #pragma once
 
@@ -41,13 +41,11 @@ class ManualMotion {
  private:
   void cut(std::size_t count);
   void draw();
-  void note_speed(Axis axis, double speed);
   [[nodiscard]] motion::JogPlanner planner_at_rest() const;
 
   const config::MachineConfig& config_;
   MotionFeed& feed_;
   motion::JogPlanner planner_;
-  Position speeds_;            // the highest ordered since the machine stood
   bool apply_wanted_ = false;  // once it is known what became of the cut under way
   std::optional<Error> error_;
 };

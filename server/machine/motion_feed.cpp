@@ -83,6 +83,7 @@ MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config, Clock cl
 
 void MotionFeed::update() {
   read_status();
+  fastest_ = fastest_under_way();
   if (position_unknown_ && !status_.board.moving && all_told()) accept_board_position();
 }
 
@@ -111,14 +112,15 @@ void MotionFeed::read_status() {
   }
 }
 
-bool MotionFeed::wants_more(double lead) const {
-  return sent(last_id_).end_time - executed_time() < lead && link_.space() > kReserve;
+bool MotionFeed::wants_more(double least) const {
+  return sent(last_id_).end_time - executed_time() < std::max(least, lead(fastest_)) &&
+         link_.space() > kReserve;
 }
 
 /// An axis that the plan brakes leaves the board nothing to brake harder with: axes that come to
 /// rest one after the other need the sum of their times. A ramp in whole setpoints may take two
 /// more.
-double MotionFeed::lead_for(const Position& speed) const {
+double MotionFeed::lead(const Position& speed) const {
   double lead =
       config_.connection.host_timeout + kOnItsWay + 2.0 * config_.trajectory.interpolation_time;
   for (const Axis axis : kAllAxes) lead += motion::braking_time(limits(), axis, speed[axis]);
@@ -201,6 +203,8 @@ Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Se
   history_[next.id % kHistory] = next;
   last_id_ = newest_id_ = next.id;
   commanded_ = setpoint.position;
+  for (const Axis axis : kAllAxes)
+    fastest_[axis] = std::max(fastest_[axis], std::abs(setpoint.velocity[axis]));
   if (listener_) listener_(setpoint);
   if (motor_listener_) motor_listener_(motors);
   return {};
@@ -290,6 +294,18 @@ void MotionFeed::go_on_behind(std::uint32_t id) {
   check_.restart(commanded_, sent(id).end_velocity);
   motor_check_.restart(sent(id).motors, sent(id).motor_velocity);
   compensation_.restore(sent(id).state);
+}
+
+/// Of the segment in execution and of all behind it.
+Position MotionFeed::fastest_under_way() const {
+  Position fastest;
+  const std::uint64_t executing = sent(last_id_).ordinal - under_way();
+  for (const Sent* segment = &sent(last_id_);; segment = &sent(segment->before)) {
+    for (const Axis axis : kAllAxes)
+      fastest[axis] = std::max({fastest[axis], std::abs(segment->start_velocity[axis]),
+                                std::abs(segment->end_velocity[axis])});
+    if (segment->ordinal <= executing) return fastest;
+  }
 }
 
 double MotionFeed::executed_time() const {

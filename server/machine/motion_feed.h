@@ -43,11 +43,12 @@ class MotionFeed {
   void update();
   [[nodiscard]] const hal::ControllerStatus& board() const { return status_.board; }
 
-  /// True while less than `lead` seconds of motion are under way and the link has room.
-  [[nodiscard]] bool wants_more(double lead) const;
-  /// What `lead` has to be while the axes move at up to `speed`: the board goes on for a while
+  /// True while less than `least` seconds of motion are under way, or less than lead() of what is,
+  /// and the link has room.
+  [[nodiscard]] bool wants_more(double least = 0.0) const;
+  /// Motion that the board needs while the axes move at up to `speed`, s: it goes on for a while
   /// before it takes the host for lost, and stops along what it has of the path.
-  [[nodiscard]] double lead_for(const Position& speed) const;
+  [[nodiscard]] double lead(const Position& speed) const;
   /// What a plan may use of the axes, and where they may be: infinite for those that are not
   /// `limited`.
   [[nodiscard]] const motion::AxisLimits& limits() const { return compensation_.machine_limits(); }
@@ -172,6 +173,7 @@ class MotionFeed {
 
   [[nodiscard]] const Sent& sent(std::uint32_t id) const { return history_[id % kHistory]; }
   [[nodiscard]] double executed_time() const;
+  [[nodiscard]] Position fastest_under_way() const;
   void add_moves_up_to(std::uint32_t id, AxisArray<bool>& motors) const;
   void revoke_cut();
   void go_on_behind(std::uint32_t id);
@@ -203,6 +205,7 @@ class MotionFeed {
   std::uint32_t void_id_ = 0;  // up to here nothing is executed any more
   motion::Compensation::State void_state_;  // of the machine that stands there
   Position commanded_;
+  Position fastest_;               // speeds of the axes in what is under way, at the most
   Position motors_;                // of the board, as counted
   double moved_at_ = 0.0;          // board time at which it was last seen in motion
   std::uint32_t stopped_id_ = 0;   // up to here any stop has been accepted

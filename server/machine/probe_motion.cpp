@@ -8,18 +8,7 @@
 #include "server/job/travel_limits.h"
 
 namespace cnc::server {
-namespace {
-
-/// Of each axis on the line at `feed`, or as fast as it may.
-Position speeds_on(const motion::Line& line, double feed, const motion::AxisLimits& limits) {
-  const Position& direction = line.direction();
-  const double fastest = std::min(feed, motion::largest_along(direction, limits.max_velocity));
-  Position speeds;
-  for (const Axis axis : kAllAxes) speeds[axis] = std::abs(direction[axis]) * fastest;
-  return speeds;
-}
-
-}  // namespace
+namespace {}  // namespace
 
 ProbeMotion::ProbeMotion(const config::MachineConfig& config, MotionFeed& feed)
     : config_(config), feed_(feed), planner_(planner_settings(config), Position{}) {}
@@ -35,7 +24,6 @@ Result<void> ProbeMotion::start(const Position& end, double feed) {
   options.feed = feed;
   options.stop_at_end = true;
   if (auto queued = planner_.add_line(end, options); !queued) return queued;
-  lead_ = feed_.lead_for(speeds_on({start, end}, feed, feed_.limits()));
   feed_.begin_motion(AxisArray<bool>::filled(true));
   feed_.send(ArmProbe{});
   phase_ = Phase::arming;
@@ -97,7 +85,7 @@ void ProbeMotion::look_at_latch() {
 }
 
 void ProbeMotion::feed_motion() {
-  while (feed_.wants_more(lead_)) {
+  while (feed_.wants_more()) {
     const auto setpoint = planner_.next();
     if (!setpoint) break;
     if (auto sent = feed_.emit(*setpoint); !sent) {

@@ -53,7 +53,6 @@ class ProbeMotion {
   const config::MachineConfig& config_;
   MotionFeed& feed_;
   motion::Planner planner_;
-  double lead_ = 0.0;
   Phase phase_ = Phase::idle;
   bool tripped_ = false;
   Position position_;

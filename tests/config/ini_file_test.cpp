@@ -317,9 +317,9 @@ TEST_CASE("A text may stand in quotes, and has none inside", "[CFG-1][LNK-1]") {
 }
 
 TEST_CASE("A silent host is missed while the board still has a way to brake", "[CFG-1][LNK-4]") {
-  CHECK(parse_machine_config("[CONNECTION]\nhostTimeout = 0.249\n", "cnc.ini"));
-  check_refusal("[CONNECTION]\nhostTimeout = 0.25\n", ErrorCode::config_host_timeout_too_long, 2,
-                {"0.25 s", "fifoTime"});
+  CHECK(parse_machine_config("[CONNECTION]\nhostTimeout = 1.27\n", "cnc.ini"));
+  check_refusal("[CONNECTION]\nhostTimeout = 1.28\n", ErrorCode::config_host_timeout_too_long, 2,
+                {"less than 1.28 s", "interpolationTime = 0.005"});
 }
 
 TEST_CASE("A caution says which axis a board that hears nothing could not brake along its motion",
@@ -329,23 +329,25 @@ TEST_CASE("A caution says which axis a board that hears nothing could not brake 
     std::vector<std::string> settings;
     std::vector<std::string> caution{};  // parts of the message; none: no caution
   };
-  // X makes 100 mm/s with 500 mm/s²: 100 / (2 · 500) = 0.1 s behind the silence.
+  // X makes 100 mm/s; 256 segments of 2.5 ms are 0.64 s.
   static const Row kRows[]{
-      {"0.1 s of silence and 0.1 s to brake",
-       {"CONNECTION.hostTimeout=0.1", "TRAJECTORY.fifoTime=0.2"}},
-      {"that is more than 0.19 s",
-       {"CONNECTION.hostTimeout=0.1", "TRAJECTORY.fifoTime=0.19"},
-       {"[AXIS_X] velocity = 100 mm/s", "acceleration = 500 mm/s²", "0.200 s", "holds 0.19 s",
-        "fifoTime should be 0.2 s at least"}},
-      // At 100 mm/s² 0.5 s to brake; 256 segments of 2.5 ms are 0.64 s, whatever fifoTime says.
-      {"0.64 s into 256 segments",
-       {"AXIS_X.acceleration=100", "CONNECTION.hostTimeout=0.14", "TRAJECTORY.fifoTime=2",
+      {"0.14 s of silence and 0.5 s to brake",
+       {"AXIS_X.acceleration=200", "CONNECTION.hostTimeout=0.14",
         "TRAJECTORY.interpolationTime=0.0025"}},
-      {"0.65 s into 256 segments",
-       {"AXIS_X.acceleration=100", "CONNECTION.hostTimeout=0.15", "TRAJECTORY.fifoTime=2",
+      {"that is more than 0.62 s",
+       {"AXIS_X.acceleration=200", "CONNECTION.hostTimeout=0.15",
         "TRAJECTORY.interpolationTime=0.0025"},
-       {"0.650 s", "holds 0.64 s",
-        "the acceleration should be higher, or the velocity or hostTimeout lower"}},
+       {"[AXIS_X] velocity = 100 mm/s", "acceleration = 200 mm/s²", "0.650 s", "holds 0.64 s",
+        "the acceleration or interpolationTime should be higher, or the velocity or hostTimeout "
+        "lower"}},
+      {"a limit of jerk adds 200 / 4000 s",
+       {"AXIS_X.acceleration=200", "AXIS_X.jerk=4000", "CONNECTION.hostTimeout=0.14",
+        "TRAJECTORY.interpolationTime=0.0025"},
+       {"0.690 s", "0.550 s to brake"}},
+      // Below a²/j = 400 mm/s the acceleration is never reached: 2 sqrt(100 / 100).
+      {"or all of the ramp",
+       {"AXIS_X.acceleration=200", "AXIS_X.jerk=100"},
+       {"2.100 s", "2.000 s to brake", "holds 1.28 s"}},
       {"an axis without a motor brakes nothing",
        {"AXIS_X.port=0", "AXIS_X.acceleration=1", "CONNECTION.hostTimeout=0.2"}},
   };

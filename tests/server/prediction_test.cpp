@@ -1,6 +1,7 @@
 // The predicted time of a job is the time that it takes (JOB-5).
 #include "server/job/prediction.h"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fmt/core.h>
@@ -52,6 +53,16 @@ void run_with_prompts(Rig& rig) {
         return rig.state() == State::ready;
       },
       3600.0));
+}
+
+/// Of the analysis in the background: real time passes on its thread only.
+std::shared_ptr<const JobFindings> findings_of(Rig& rig) {
+  for (int i = 0; i < 2000 && !rig.machine.findings(); ++i) {
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    rig.simulation.cycle();
+  }
+  REQUIRE(rig.machine.findings());
+  return rig.machine.findings();
 }
 
 }  // namespace
@@ -233,20 +244,12 @@ TEST_CASE("A job is predicted with the modes that it finds, those behind another
   MachineData data = free_machine();
   data.analyse_jobs = true;
   ReadyRig rig(std::move(data));
-  const auto found = [&] {
-    for (int i = 0; i < 500 && !rig.machine.findings(); ++i) {
-      std::this_thread::sleep_for(std::chrono::milliseconds(10));
-      rig.simulation.cycle();
-    }
-    REQUIRE(rig.machine.findings());
-    return rig.machine.findings();
-  };
   REQUIRE(rig.mdi("G64 P0.2 F3000 G1 X5 Y5"));
   const auto program = interp::Program::from_text("G1 X20\nY20\nX5\nY5\nG61 F1500\n", "test.nc");
   REQUIRE(program);
   REQUIRE(rig.machine.load(*program, "test.nc"));
   for (const double feed : {50.0, 25.0}) {
-    const auto findings = found();
+    const auto findings = findings_of(rig);
     CHECK(findings->problem_count() == 0);
     CHECK(findings->prediction.time() > 60.0 / feed);
     REQUIRE(rig.machine.run());
@@ -255,20 +258,38 @@ TEST_CASE("A job is predicted with the modes that it finds, those behind another
   }
 }
 
+TEST_CASE("What is wrong with a job is told when it is loaded, not each time that it is looked at",
+          "[JOB-2][threads]") {
+  MachineData data = free_machine();
+  data.analyse_jobs = true;
+  ReadyRig rig(std::move(data));
+  const auto warnings = [&] {
+    const auto messages = rig.simulation.log().after(0);
+    return std::ranges::count_if(messages, [](const LogMessage& message) {
+      return message.text.find("would stop with an error") != std::string::npos;
+    });
+  };
+  REQUIRE(rig.load("G1 X10 F6000\nG77\n"));
+  static_cast<void>(findings_of(rig));
+  CHECK(warnings() == 1);
+  REQUIRE(rig.machine.run());
+  REQUIRE(rig.becomes([&] { return rig.shown()->job.runs == 1; }));
+  static_cast<void>(findings_of(rig));
+  CHECK(warnings() == 1);
+  REQUIRE(rig.load("G1 X10 F6000\nG77\n"));
+  static_cast<void>(findings_of(rig));
+  CHECK(warnings() == 2);
+}
+
 TEST_CASE("A loaded job is checked and predicted in the background", "[JOB-2][JOB-5][threads]") {
   MachineData data = free_machine();
   data.analyse_jobs = true;
   ReadyRig rig(std::move(data));
   REQUIRE(rig.load("G1 X10 F600\nG1 X20 G77\n"));
-  // Real time passes on the analysis' thread only.
-  for (int i = 0; i < 500 && !rig.machine.findings(); ++i) {
-    std::this_thread::sleep_for(std::chrono::milliseconds(10));
-    rig.simulation.cycle();
-  }
-  REQUIRE(rig.machine.findings());
+  const auto findings = findings_of(rig);
   CHECK(rig.shown()->job.prediction_ready);
   CHECK(rig.shown()->job.problems == 1);
   CHECK(rig.shown()->job.extents_max[Axis::X] == Approx(10.0));
-  REQUIRE(rig.machine.findings()->report.errors.size() == 1);
-  CHECK(rig.machine.findings()->report.errors[0].line == 2);
+  REQUIRE(findings->report.errors.size() == 1);
+  CHECK(findings->report.errors[0].line == 2);
 }

@@ -1,6 +1,6 @@
-// The cable out in a jog, in homing and in a probe move: what the board holds suffices for its
-// watchdog (LNK-2, LNK-4). Whenever it goes, the machine stops along its path, and no motor loses a
-// step.
+// The cable out in a job, a jog, in homing and in a probe move: what the board holds suffices for
+// its watchdog (LNK-2, LNK-4). Whenever it goes, the machine stops along its path, and no motor
+// loses a step.
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <fmt/core.h>
@@ -101,12 +101,12 @@ TEST_CASE("What is under way lasts until the host counts as lost, and for every 
   const MotionFeed feed{link, config};
   // The time-out, 20 ms on the way, two setpoints.
   const double least = 0.2 + 0.02 + 2.0 * 0.004;
-  CHECK(feed.lead_for({}) == Approx(least));
-  CHECK(feed.lead_for(xyz(30.0, 0.0)) == Approx(least + 30.0 / 500.0));
+  CHECK(feed.lead({}) == Approx(least));
+  CHECK(feed.lead(xyz(30.0, 0.0)) == Approx(least + 30.0 / 500.0));
   // Below a²/j = 10 mm/s the ramp never comes to its acceleration.
-  CHECK(feed.lead_for(xyz(0.0, 8.0)) == Approx(least + 2.0 * std::sqrt(8.0 / 1e5)));
-  CHECK(feed.lead_for(xyz(0.0, 0.0, 70.0)) == Approx(least + 70.0 / 1000.0 + 1000.0 / 1e5));
-  CHECK(feed.lead_for(xyz(30.0, 8.0, 70.0)) ==
+  CHECK(feed.lead(xyz(0.0, 8.0)) == Approx(least + 2.0 * std::sqrt(8.0 / 1e5)));
+  CHECK(feed.lead(xyz(0.0, 0.0, 70.0)) == Approx(least + 70.0 / 1000.0 + 1000.0 / 1e5));
+  CHECK(feed.lead(xyz(30.0, 8.0, 70.0)) ==
         Approx(least + 0.06 + 2.0 * std::sqrt(8.0 / 1e5) + 0.08));
 }
 
@@ -129,6 +129,37 @@ TEST_CASE("Whenever the cable goes while an axis is jogged, the board stops alon
       if (rig.homed(axis)) CHECK(std::abs(apart) < 0.005);  // a step
     }
     if (cruises) CHECK_FALSE(rig.homed(Axis::X));
+  }
+}
+
+TEST_CASE("Whenever the cable goes in a job, the board stops along the path",
+          "[LNK-4][JOB-5][safety]") {
+  struct Job {
+    const char* name;
+    const char* program;
+    std::vector<std::string> settings{};
+  };
+  // 0.33 s to brake, more than the 0.25 s of fifoTime.
+  const std::vector<std::string> slow{"AXIS_X.acceleration=300", "AXIS_Y.acceleration=300"};
+  const std::vector<std::string> smooth{"AXIS_X.acceleration=300", "AXIS_Y.acceleration=300",
+                                        "AXIS_X.jerk=3000", "AXIS_Y.jerk=3000"};
+  static const std::vector<Job> kJobs{
+      {"rapids", "G0 X80\nX10\nX80\nX10\n", slow},
+      {"rapids with limits of jerk", "G0 X80\nX10\nX80\nX10\n", smooth},
+      {"a circle at full acceleration", "F6000 G1 X60\nG2 I0 J33.4\nG2 I0 J33.4\n", slow},
+      {"rounded corners", "G64 P15 F6000\nG1 X70\nY70\nX10\nY10\nX70\nY70\n", slow},
+      {"exact corners", "G61 F6000\nG1 X60\nY50\nX20\nY10\nX60\nY50\n", slow},
+      {"a cut between rapids", "G0 X60\nG1 Y20 F1000\nG0 Y80\nG1 X50 F600\nG0 X5\n", slow},
+  };
+  const Job& job = kJobs[GENERATE(range<std::size_t>(0, 6))];
+  const double outage = GENERATE(kShortOutage, kLongOutage);
+  for (double instant = 0.05; instant < 2.5; instant += 0.083) {
+    CAPTURE(job.name, outage, instant);
+    HomedRig rig(job.settings);
+    rig.start(job.program);
+    rig.run_for(instant);
+    REQUIRE(rig.state() == State::running);
+    require_stop_along_path(rig, outage);
   }
 }
 
