@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,18 @@ struct PacketCounts {
   std::uint64_t corrupted = 0;    ///< have come damaged
 };
 
+/// `unknown`: of a newer server.
+enum class LatchSource : std::uint8_t { home, probe, spindle_index, estop, unknown };
+
+/// What a latch of the board has caught: where the axes were at that very step.
+struct LatchCatch {
+  LatchSource source = LatchSource::unknown;
+  std::optional<Axis> axis;  ///< whose home switch; of a home latch only
+  double age = 0.0;          ///< s since then, on the board's clock
+  std::uint32_t count = 0;   ///< spindle index and estop: how often since the board's power-up
+  AxisValues position;       ///< machine coordinates; of a home latch only its axis is told
+};
+
 struct LinkStatistics {
   bool real_time = false;   ///< SCHED_FIFO and locked memory were granted
   double cycle_time = 0.0;  ///< nominal, s
@@ -73,6 +86,7 @@ struct LinkStatistics {
   std::uint32_t sessions = 0;  ///< links made since the server started; a reset does not clear it
   std::string board_name;      ///< of the board that it is, or was last, connected to
   std::uint64_t board_serial = 0;
+  std::vector<LatchCatch> latches;  ///< the last of each latch that has caught something
 };
 
 }  // namespace cnc::api

@@ -80,6 +80,7 @@ struct Latch {
   bool armed = false;
   bool caught = false;
   double position = 0.0;  ///< mm or degrees, in the counting of that moment
+  double time = 0.0;      ///< board time, s
 };
 
 /// What the probe latch caught: where all axes were at the very step at which the probe input
@@ -89,6 +90,14 @@ struct ProbeLatch {
   bool caught = false;
   bool active_at_arming = false;  ///< the probe touched already: nothing was armed, nothing moves
   Position position{};            ///< mm and degrees, in the counting of that moment
+  double time = 0.0;              ///< board time, s
+};
+
+/// A latch that is always armed: where all axes were when its input became active the last time.
+struct EventLatch {
+  std::uint32_t count = 0;  ///< how often it has, since power-up; wraps. 0: not yet
+  Position position{};      ///< mm and degrees, in the counting of that moment
+  double time = 0.0;        ///< board time, s
 };
 
 /// A stop along the path: from its beginning to release_stop().
@@ -132,10 +141,11 @@ struct ControllerStatus {
   bool moving = false;      ///< or waiting for the spindle, with segments to execute
   Position position;        ///< from the step counters, mm and degrees
   Inputs inputs{};
-  double spindle_speed = 0.0;             ///< rpm from the index pulses, unsigned; 0 below 20 rpm
-  std::uint32_t spindle_index_count = 0;  ///< pulses since power-up; wraps
+  double spindle_speed = 0.0;  ///< rpm from the index pulses, unsigned; 0 below 20 rpm
+  EventLatch index_latch{};    ///< of the spindle's index, to the tick
   AxisArray<Latch> home_latch{};
   ProbeLatch probe_latch{};
+  EventLatch estop_latch{};  ///< of either estop, as the board saw it: where the pulses ended
   Outputs outputs{};
   /// How often each guard rule of the configuration has become true in this session; wraps. A
   /// smooth stop that it wanted shows as path_stop, whether or not anything moved.

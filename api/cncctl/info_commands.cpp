@@ -21,12 +21,6 @@ void print_json(const T& value) {
   std::fflush(stdout);
 }
 
-std::vector<api::Axis> axes_of(const api::Machine& machine) {
-  std::vector<api::Axis> axes;
-  for (const api::AxisDescription& each : machine.axes) axes.push_back(each.axis);
-  return axes;
-}
-
 void note_connection(const api::ConnectionChange& change, bool json) {
   if (change.reason) report(*change.reason, json);
 }

@@ -1,5 +1,6 @@
 #include "api/cncctl/json.h"
 
+#include <array>
 #include <cmath>
 #include <string>
 
@@ -29,6 +30,21 @@ json set_axes(const api::AxisFlags& flags) {
     if (flags[axis]) array.push_back(key_of(axis));
   }
   return array;
+}
+
+json latches_json(const std::vector<api::LatchCatch>& latches) {
+  constexpr std::array kSources{"home", "probe", "spindle_index", "estop", "unknown"};
+  json rows = json::array();
+  for (const api::LatchCatch& latch : latches) {
+    json position;
+    for (const api::Axis axis : api::kAllAxes)
+      if (!latch.axis || latch.axis == axis) position[key_of(axis)] = rounded(latch.position[axis]);
+    rows.push_back({{"source", kSources.at(static_cast<std::size_t>(latch.source))},
+                    {"position", position},
+                    {"age", latch.age},
+                    {"count", latch.count}});
+  }
+  return rows;
 }
 
 json job_json(const api::JobStatus& job) {
@@ -168,7 +184,8 @@ json to_json(const api::LinkStatistics& statistics) {
           {"connected", statistics.connected},
           {"sessions", statistics.sessions},
           {"board_name", statistics.board_name},
-          {"board_serial", statistics.board_serial}};
+          {"board_serial", statistics.board_serial},
+          {"latches", latches_json(statistics.latches)}};
 }
 
 json to_json(const api::LoadedJob& job) {

@@ -24,10 +24,13 @@ struct LinkOptions {
 api::Result<void> print_link(const Context& context, bool reset) {
   const auto statistics = context.client.link_statistics(reset);
   if (!statistics) return std::unexpected(statistics.error());
-  if (context.options.json)
+  if (context.options.json) {
     fmt::print("{}\n", to_json(*statistics).dump());
-  else
-    fmt::print("{}", format_link(*statistics));
+  } else {
+    const auto machine = context.client.machine();
+    if (!machine) return std::unexpected(machine.error());
+    fmt::print("{}", format_link(*statistics, axes_of(*machine)));
+  }
   std::fflush(stdout);
   return {};
 }

@@ -54,13 +54,37 @@ std::string board_text(const api::LinkStatistics& statistics) {
                      statistics.connected ? "connected" : "LOST");
 }
 
+std::string_view name_of(api::LatchSource source) {
+  switch (source) {
+    case api::LatchSource::home:
+      return "home switch";
+    case api::LatchSource::probe:
+      return "probe";
+    case api::LatchSource::spindle_index:
+      return "spindle index";
+    case api::LatchSource::estop:
+      return "emergency stop";
+    case api::LatchSource::unknown:
+      break;
+  }
+  return "other";
+}
+
+std::string latch_text(const api::LatchCatch& latch, const std::vector<api::Axis>& axes) {
+  const auto of_axes = latch.axis ? std::vector{*latch.axis} : axes;
+  std::string text = fmt::format("{} at {}, {} ago", name_of(latch.source),
+                                 format_position(latch.position, of_axes), time_text(latch.age));
+  if (latch.count > 0) text += fmt::format(", the {}. since power-up", latch.count);
+  return text;
+}
+
 std::string line(std::string_view title, std::string_view text) {
   return fmt::format("{:<13}{}\n", title, text);
 }
 
 }  // namespace
 
-std::string format_link(const api::LinkStatistics& statistics) {
+std::string format_link(const api::LinkStatistics& statistics, const std::vector<api::Axis>& axes) {
   const api::PacketCounts& packets = statistics.packets;
   std::string text = line("board", board_text(statistics));
   text += line("sessions", fmt::format("{}", statistics.sessions));
@@ -80,6 +104,8 @@ std::string format_link(const api::LinkStatistics& statistics) {
   text += line("packets", fmt::format("{} sent, {} of them again", packets.sent, packets.resent));
   text += line("answers", fmt::format("{} taken, {} passed over, {} corrupted", packets.answered,
                                       packets.passed_over, packets.corrupted));
+  for (const api::LatchCatch& latch : statistics.latches)
+    text += line("latch", latch_text(latch, axes));
   text += histogram("lateness of cycles", statistics.lateness);
   text += histogram("work of cycles", statistics.work);
   text += histogram("FIFO while moving", statistics.fifo_time);

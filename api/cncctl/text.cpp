@@ -49,6 +49,12 @@ std::string format_duration(double seconds) {
   return fmt::format("{}:{:02}", minutes, whole % 60);
 }
 
+std::vector<api::Axis> axes_of(const api::Machine& machine) {
+  std::vector<api::Axis> axes;
+  for (const api::AxisDescription& each : machine.axes) axes.push_back(each.axis);
+  return axes;
+}
+
 std::string format_position(const api::AxisValues& position, const std::vector<api::Axis>& axes) {
   std::string text;
   for (const api::Axis axis : axes) {

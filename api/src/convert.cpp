@@ -12,6 +12,7 @@ constexpr Enum shifted(WireEnum wire) {
   return static_cast<Enum>(static_cast<int>(wire) - 1);
 }
 static_assert(shifted<Axis>(v1::AXIS_X) == Axis::X && shifted<Axis>(v1::AXIS_C) == Axis::C);
+static_assert(shifted<LatchSource>(v1::LATCH_SOURCE_ESTOP) == LatchSource::estop);
 static_assert(shifted<Command>(v1::COMMAND_RESET) == Command::reset &&
               shifted<Command>(v1::COMMAND_STOP) == Command::stop &&
               shifted<Command>(v1::COMMAND_ACCEPT_POSITION) == Command::accept_position &&
@@ -67,6 +68,21 @@ Question question(const v1::Question& wire) {
   for (const v1::QuestionField& field : wire.fields())
     asked.fields.push_back({field.label(), field.parameter(), field.value()});
   return asked;
+}
+
+LatchCatch latch_catch(const v1::LatchCatch& wire) {
+  return {.source = known_or(wire.source(), v1::LatchSource_MAX, LatchSource::unknown),
+          .axis = from_wire(wire.axis()),
+          .age = wire.age(),
+          .count = wire.count(),
+          .position = axis_values(wire.position())};
+}
+
+std::vector<LatchCatch> latch_catches(
+    const google::protobuf::RepeatedPtrField<v1::LatchCatch>& wire) {
+  std::vector<LatchCatch> latches;
+  for (const v1::LatchCatch& latch : wire) latches.push_back(latch_catch(latch));
+  return latches;
 }
 
 JobStatus job_status(const v1::JobStatus& wire) {
@@ -219,7 +235,8 @@ LinkStatistics from_wire(const v1::GetLinkStatisticsResponse& wire) {
           .connected = wire.connected(),
           .sessions = wire.sessions(),
           .board_name = wire.board_name(),
-          .board_serial = wire.board_serial()};
+          .board_serial = wire.board_serial(),
+          .latches = latch_catches(wire.latches())};
 }
 
 ProblemList from_wire(const v1::GetProblemsResponse& wire) {

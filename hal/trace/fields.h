@@ -84,6 +84,14 @@ void visit_fields(V& v, S& s) {
   v("armed", s.armed);
   v("caught", s.caught);
   v("position", s.position);
+  v("time", s.time);
+}
+
+template <typename V, Of<EventLatch> S>
+void visit_fields(V& v, S& s) {
+  v("count", s.count);
+  v("position", s.position);
+  v("time", s.time);
 }
 
 template <typename V, Of<ProbeLatch> S>
@@ -92,6 +100,7 @@ void visit_fields(V& v, S& s) {
   v("caught", s.caught);
   v("active_at_arming", s.active_at_arming);
   v("position", s.position);
+  v("time", s.time);
 }
 
 template <typename V, Of<BoardIdentity> S>
@@ -128,9 +137,10 @@ void visit_fields(V& v, S& s) {
   v("position", s.position);
   v("inputs", s.inputs);
   v("spindle_speed", s.spindle_speed);
-  v("spindle_index_count", s.spindle_index_count);
+  v("index_latch", s.index_latch);
   v("home_latch", s.home_latch);
   v("probe_latch", s.probe_latch);
+  v("estop_latch", s.estop_latch);
   v("outputs", s.outputs);
   v("guard_counts", s.guard_counts);
   v("board", s.board);

@@ -232,6 +232,8 @@ class Player {
                      .moving = status.moving,
                      .position = status.position,
                      .outputs = status.outputs,
+                     .home_latch = status.home_latch,
+                     .probe_latch = status.probe_latch,
                      .guard_counts = guards_.since_beginning(status)});
   }
 

@@ -6,8 +6,8 @@
 // known whole: a standstill with an empty FIFO, or a segment in execution of which all that follows
 // was recorded; it then runs up to its end with the axes' acceleration.
 //
-// Faults, the stop along the path, late cuts, the segment in execution, positions, digital outputs
-// and how often guard rules have acted are compared.
+// Faults, the stop along the path, late cuts, the segment in execution, positions, digital outputs,
+// home and probe latches and how often guard rules have acted are compared.
 //
 // Not compared: motion that follows the spindle, which the virtual machine does not have, up to the
 // next standstill behind it.

@@ -51,6 +51,7 @@ class Judge {
       const ControllerStatus& recorded = status(i);
       note_fault(report, i);
       note_late_cut(report, i);
+      note_armed(i);
       following = std::ranges::binary_search(spindle_ids_, recorded.executing_id) ||
                   (following && !both_at_rest(i));
       if (following) {
@@ -82,6 +83,12 @@ class Judge {
   void note_late_cut(ReplayReport& report, std::size_t i) const {
     if (status(i).cut_late && (i == 0 || !status(i - 1).cut_late)) ++report.late_cuts;
   }
+  /// What a latch shows that has not been armed since the beginning is of before.
+  void note_armed(std::size_t i) {
+    for (const Axis axis : kAllAxes)
+      home_armed_[axis] = home_armed_[axis] || status(i).home_latch[axis].armed;
+    probe_armed_ = probe_armed_ || status(i).probe_latch.armed;
+  }
   [[nodiscard]] std::span<const Seen> around(std::size_t i) const {
     const std::size_t first = i - std::min(i, kSlack);
     return seen_.subspan(first, std::min(seen_.size(), i + kSlack + 1) - first);
@@ -95,6 +102,7 @@ class Judge {
     const bool no_such_fault = none_has(i, &Seen::faults, faults);
     std::optional<std::string> other = state_difference(i);
     if (!other) other = place_difference(i);
+    if (!other) other = latch_difference(i);
     if (!other) other = output_difference(i);
     if (!other) other = guard_difference(i);
     if (no_such_fault || (other && faults != seen.faults))
@@ -124,14 +132,66 @@ class Judge {
       const double recorded = status(i).position[axis];
       const auto [low, high] = std::ranges::minmax(
           around(i), {}, [axis](const Seen& seen) { return seen.position[axis]; });
-      const double steps = std::abs(config_.axes[axis].steps_per_unit);
-      const double tolerance = steps > 0.0 ? kTolerance / steps : 0.0;
+      const double tolerance = tolerance_of(axis);
       if (recorded >= low.position[axis] - tolerance && recorded <= high.position[axis] + tolerance)
         continue;
       return fmt::format("{} is at {:.4f}, replayed {:.4f}", axis_name(axis), recorded,
                          seen_[i].position[axis]);
     }
     return std::nullopt;
+  }
+
+  [[nodiscard]] double tolerance_of(Axis axis) const {
+    const double steps = std::abs(config_.axes[axis].steps_per_unit);
+    return steps > 0.0 ? kTolerance / steps : 0.0;
+  }
+
+  [[nodiscard]] std::optional<std::string> latch_difference(std::size_t i) const {
+    for (const Axis axis : kAllAxes) {
+      if (!home_armed_[axis]) continue;
+      const auto latch_in = [axis](const auto& of) { return of.home_latch[axis]; };
+      const auto place_in = [axis](const auto& of) { return of.home_latch[axis].position; };
+      const std::string name = fmt::format("the home latch of {}", axis_name(axis));
+      if (auto what = caught_difference(i, name, latch_in)) return what;
+      if (auto what = catch_difference(i, name, axis, latch_in, place_in)) return what;
+    }
+    if (!probe_armed_) return std::nullopt;
+    const auto latch_in = [](const auto& of) { return of.probe_latch; };
+    if (auto what = caught_difference(i, "the probe latch", latch_in)) return what;
+    for (const Axis axis : kAllAxes) {
+      const auto place_in = [axis](const auto& of) { return of.probe_latch.position[axis]; };
+      if (auto what = catch_difference(i, "the probe latch", axis, latch_in, place_in)) return what;
+    }
+    return std::nullopt;
+  }
+
+  template <typename LatchIn>
+  [[nodiscard]] std::optional<std::string> caught_difference(std::size_t i, std::string_view name,
+                                                             LatchIn latch_in) const {
+    const bool caught = latch_in(status(i)).caught;
+    if (std::ranges::any_of(around(i),
+                            [&](const Seen& seen) { return latch_in(seen).caught == caught; }))
+      return std::nullopt;
+    return fmt::format("{} has caught {}, replayed {}", name, caught ? "something" : "nothing",
+                       caught ? "nothing" : "something");
+  }
+
+  /// Where: to the way between the two statuses between which it was.
+  template <typename LatchIn, typename PlaceIn>
+  [[nodiscard]] std::optional<std::string> catch_difference(std::size_t i, std::string_view name,
+                                                            Axis axis, LatchIn latch_in,
+                                                            PlaceIn place_in) const {
+    if (i == 0 || !latch_in(status(i)).caught || latch_in(status(i - 1)).caught)
+      return std::nullopt;
+    const double recorded = place_in(status(i));
+    const double way = std::abs(status(i).position[axis] - status(i - 1).position[axis]);
+    const bool has_like = std::ranges::any_of(around(i), [&](const Seen& seen) {
+      return latch_in(seen).caught &&
+             std::abs(place_in(seen) - recorded) <= way + tolerance_of(axis);
+    });
+    if (has_like) return std::nullopt;
+    return fmt::format("{} has caught {} at {:.4f}, replayed {:.4f}", name, axis_name(axis),
+                       recorded, place_in(seen_[i]));
   }
 
   /// Digital ones.
@@ -178,6 +238,8 @@ class Judge {
   std::span<const Seen> seen_;
   const config::MachineConfig& config_;
   std::vector<std::uint32_t> spindle_ids_;
+  AxisArray<bool> home_armed_{};
+  bool probe_armed_ = false;
   GuardTally guards_;
 };
 

@@ -40,6 +40,8 @@ struct Seen {
   bool moving = false;
   Position position;
   Outputs outputs;
+  AxisArray<Latch> home_latch{};
+  ProbeLatch probe_latch{};
   GuardCounts guard_counts{};  ///< since the beginning
 };
 

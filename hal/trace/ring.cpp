@@ -5,14 +5,14 @@
 namespace cnc::hal::trace {
 
 Ring::Ring(std::size_t words)
-    : mask_(std::bit_ceil(std::max<std::size_t>(words, 1024)) - 1),
-      words_(std::make_unique<std::atomic<std::uint64_t>[]>(mask_ + 1)) {}
+    : size_(std::max<std::size_t>(words, 1024)),
+      words_(std::make_unique<std::atomic<std::uint64_t>[]>(size_)) {}
 
 void Ring::append(std::span<const std::uint64_t> record) {
   const std::uint64_t begin = end_.load(std::memory_order_relaxed);
   const std::uint64_t end = begin + record.size();
   std::uint64_t oldest = oldest_.load(std::memory_order_relaxed);
-  while (end - oldest > mask_ + 1)
+  while (end - oldest > size_)
     oldest += RecordHead::from(at(oldest).load(std::memory_order_relaxed)).words();
   oldest_.store(oldest, std::memory_order_relaxed);
   for (std::uint64_t i = 0; i < record.size(); ++i)

@@ -52,6 +52,11 @@ MachineSnapshot Machine::take_snapshot() {
   shown.board_connected = board.connected;
   shown.board = board.board;
   shown.board_sessions = board.sessions;
+  shown.latches = {.board_time = board.time,
+                   .home = board.home_latch,
+                   .probe = board.probe_latch,
+                   .spindle_index = board.index_latch,
+                   .estop = board.estop_latch};
   shown.newest_message = log_.newest();
   return shown;
 }

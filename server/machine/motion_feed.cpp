@@ -110,6 +110,17 @@ void MotionFeed::read_status() {
     motors[axis] = latch.position;
     if (latch.caught) latch.position = compensation_.machine_at(motors, state)[axis];
   }
+  translate(board.index_latch, index_latch_);
+  translate(board.estop_latch, estop_latch_);
+}
+
+/// Once: it stays what it was in the compensation's state of its own moment.
+void MotionFeed::translate(hal::EventLatch& latch, hal::EventLatch& known) const {
+  if (latch.count != known.count || latch.time != known.time) {
+    latch.position = compensation_.machine_at(latch.position, state_of_board());
+    known = latch;
+  }
+  latch = known;
 }
 
 bool MotionFeed::wants_more(double least) const {

@@ -182,6 +182,7 @@ class MotionFeed {
                     std::uint64_t ordinal, const hal::OutputChange& change = {});
   Result<void> settle();
   void read_status();
+  void translate(hal::EventLatch& latch, hal::EventLatch& known) const;
   void accept_motors(const Position& motors);
 
   Link& link_;
@@ -207,6 +208,8 @@ class MotionFeed {
   Position commanded_;
   Position fastest_;               // speeds of the axes in what is under way, at the most
   Position motors_;                // of the board, as counted
+  hal::EventLatch index_latch_;    // the newest that has been translated
+  hal::EventLatch estop_latch_;    // likewise
   double moved_at_ = 0.0;          // board time at which it was last seen in motion
   std::uint32_t stopped_id_ = 0;   // up to here any stop has been accepted
   bool position_unknown_ = false;  // a quick stop is under way

@@ -44,6 +44,15 @@ struct QuestionSnapshot {
   std::vector<Field> fields;
 };
 
+/// What the board's latches have caught.
+struct LatchSnapshot {
+  double board_time = 0.0;
+  AxisArray<hal::Latch> home{};
+  hal::ProbeLatch probe{};
+  hal::EventLatch spindle_index{};
+  hal::EventLatch estop{};
+};
+
 struct MachineSnapshot {
   std::uint64_t sequence = 0;
   double time = 0.0;
@@ -76,6 +85,7 @@ struct MachineSnapshot {
   bool board_connected = false;
   hal::BoardIdentity board;          ///< that it was last connected to
   std::uint32_t board_sessions = 0;  ///< links made since the server started
+  LatchSnapshot latches{};
   std::uint64_t newest_message = 0;
 };
 

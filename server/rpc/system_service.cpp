@@ -41,6 +41,40 @@ void fill(const LinkStatistics& statistics, v1::GetLinkStatisticsResponse& out) 
   out.mutable_packets()->set_corrupted(packets.corrupted);
 }
 
+using Latches = google::protobuf::RepeatedPtrField<v1::LatchCatch>;
+
+v1::LatchCatch& add(Latches* out, v1::LatchSource source, double age) {
+  v1::LatchCatch& row = *out->Add();
+  row.set_source(source);
+  row.set_age(age);
+  return row;
+}
+
+void fill(const LatchSnapshot& latches, Latches* out) {
+  const auto age = [&](double time) { return latches.board_time - time; };
+  for (const Axis axis : kAllAxes) {
+    const hal::Latch& latch = latches.home[axis];
+    if (!latch.caught) continue;
+    v1::LatchCatch& row = add(out, v1::LATCH_SOURCE_HOME, age(latch.time));
+    row.set_axis(to_proto(axis));
+    Position position;
+    position[axis] = latch.position;
+    *row.mutable_position() = to_proto(position);
+  }
+  if (latches.probe.caught) {
+    v1::LatchCatch& row = add(out, v1::LATCH_SOURCE_PROBE, age(latches.probe.time));
+    *row.mutable_position() = to_proto(latches.probe.position);
+  }
+  const auto fill_event = [&](v1::LatchSource source, const hal::EventLatch& latch) {
+    if (latch.count == 0) return;
+    v1::LatchCatch& row = add(out, source, age(latch.time));
+    row.set_count(latch.count);
+    *row.mutable_position() = to_proto(latch.position);
+  };
+  fill_event(v1::LATCH_SOURCE_SPINDLE_INDEX, latches.spindle_index);
+  fill_event(v1::LATCH_SOURCE_ESTOP, latches.estop);
+}
+
 /// Up to the first 0; what is no ASCII, which only a mad board would send, is a question mark.
 std::string text_of(const std::array<char, 16>& name) {
   std::string text(name.begin(), std::ranges::find(name, '\0'));
@@ -96,6 +130,7 @@ class SystemService final : public v1::System::CallbackService {
     response->set_sessions(shown->board_sessions);
     response->set_board_name(text_of(shown->board.name));
     response->set_board_serial(shown->board.serial);
+    fill(shown->latches, response->mutable_latches());
     if (request->reset()) statistics.ask_for_reset();
     return answer(grpc::Status::OK);
   }

@@ -369,6 +369,15 @@ TEST_CASE("The machine, its link and its program are described", "[api]") {
   CHECK(link->sessions == 2);
   CHECK(link->board_name == "a fake board");
   CHECK(link->board_serial == 77);
+  REQUIRE(link->latches.size() == 3);
+  CHECK(link->latches[0].source == api::LatchSource::home);
+  CHECK(link->latches[0].axis == Axis::Y);
+  CHECK(link->latches[0].age == 61.5);
+  CHECK(link->latches[1].source == api::LatchSource::estop);
+  CHECK_FALSE(link->latches[1].axis);
+  CHECK(link->latches[1].count == 3);
+  CHECK(link->latches[1].position[Axis::Z] == -4.0);
+  CHECK(link->latches[2].source == api::LatchSource::unknown);
   CHECK(client.save_link_trace() == "/data/traces/now.trace");
   CHECK(f.machine.has_seen("GetLinkStatistics reset"));
 

@@ -224,6 +224,10 @@ TEST_CASE("cncctl link shows the board, its packets and a bar for each bin",
                        Contains("300 us the last, 400 us the mean, 12 ms at most\n") &&
                        Contains("2000 sent, 3 of them again\n") &&
                        Contains("1990 taken, 4 passed over, 5 corrupted\n"));
+  CHECK_THAT(text,
+             Contains("latch        home switch at Y-2.500, 61.5 s ago\n") &&
+                 Contains("latch        emergency stop at X10.250 Y0.000 Z-4.000, 250 ms ago, "
+                          "the 3. since power-up\n"));
   // A quarter and three quarters of 40 cells; an empty bin between them has no bar.
   const auto cells = [](int count) {
     std::string bar;
@@ -240,6 +244,9 @@ TEST_CASE("cncctl link shows the board, its packets and a bar for each bin",
   CHECK(json.at("fifo_time")[2].at("count") == 3);
   CHECK(json.at("packets").at("passed_over") == 4);
   CHECK(json.at("board_serial") == 77);
+  CHECK(json.at("latches")[0].at("position") == nlohmann::json{{"y", -2.5}});
+  CHECK(json.at("latches")[1].at("source") == "estop");
+  CHECK(json.at("latches")[1].at("position").at("x") == 10.25);
 }
 
 TEST_CASE("cncctl link trace prints where the trace is, or why there is none", "[api][cncctl]") {

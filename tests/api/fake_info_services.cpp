@@ -22,6 +22,21 @@ void fill_fifo(v1::GetLinkStatisticsResponse& out) {
   }
 }
 
+void fill_latches(v1::GetLinkStatisticsResponse& out) {
+  v1::LatchCatch& home = *out.add_latches();
+  home.set_source(v1::LATCH_SOURCE_HOME);
+  home.set_axis(v1::AXIS_Y);
+  home.set_age(61.5);
+  home.mutable_position()->set_y(-2.5);
+  v1::LatchCatch& estop = *out.add_latches();
+  estop.set_source(v1::LATCH_SOURCE_ESTOP);
+  estop.set_age(0.25);
+  estop.set_count(3);
+  estop.mutable_position()->set_x(10.25);
+  estop.mutable_position()->set_z(-4.0);
+  out.add_latches()->set_source(static_cast<v1::LatchSource>(99));  // of a newer server
+}
+
 struct SystemService final : v1::System::Service {
   explicit SystemService(FakeMachine& m) : machine(m) {}
   FakeMachine& machine;
@@ -74,6 +89,7 @@ struct SystemService final : v1::System::Service {
     response->set_sessions(2);
     response->set_board_name("a fake board");
     response->set_board_serial(77);
+    fill_latches(*response);
     return note_call(machine, "GetLinkStatistics", request->reset() ? "reset" : "");
   }
   Status SaveLinkTrace(ServerContext*, const v1::SaveLinkTraceRequest*,

@@ -236,7 +236,7 @@ class FrameMaker {
 
 /// What a board says of itself; of what the wire can express anything.
 inline void vary(Bytes& bytes, Status& status) {
-  switch (bytes.below(18)) {
+  switch (bytes.below(20)) {
     case 0:
       status.time = bytes.flag() ? bytes.next<std::int64_t>()
                                  : status.time % kTicksPerSecond + bytes.next<std::uint16_t>();
@@ -277,10 +277,11 @@ inline void vary(Bytes& bytes, Status& status) {
     case 11:
       one_of(bytes, status.home_latch) = {bytes.flag(), bytes.flag(),
                                           bytes.flag() ? Edge::release : Edge::activate,
-                                          bytes.next<std::int64_t>()};
+                                          bytes.next<std::int64_t>(), bytes.next<std::int64_t>()};
       return;
     case 12:
-      status.probe_latch = {bytes.flag(), bytes.flag(), bytes.flag(), {}};
+      status.probe_latch = {
+          bytes.flag(), bytes.flag(), bytes.flag(), {}, bytes.next<std::int64_t>()};
       one_of(bytes, status.probe_latch.counts) = bytes.next<std::int64_t>();
       return;
     case 13:
@@ -294,6 +295,14 @@ inline void vary(Bytes& bytes, Status& status) {
       return;
     case 16:
       one_of(bytes, status.guard_counts) = bytes.byte();
+      return;
+    case 17:
+      status.estop_latch = {bytes.next<std::uint32_t>(), {}, bytes.next<std::int64_t>()};
+      one_of(bytes, status.estop_latch.counts) = bytes.next<std::int64_t>();
+      return;
+    case 18:
+      status.inputs.index_count = bytes.next<std::uint32_t>();
+      one_of(bytes, status.index_counts) = bytes.next<std::int64_t>();
       return;
     default:
       return vary(bytes, status.inputs, status.time);

@@ -111,6 +111,19 @@ TEST_CASE("A session begins with a greeting that is understood", "[hal][LNK-9]")
   CHECK(rig.refusal(poll(2)) == RefusalReason::no_session);
 }
 
+TEST_CASE("A setup whose pulses and pauses do not fit the highest frequency is refused",
+          "[hal][LNK-9]") {
+  Rig rig;
+  // 400 kHz: a step in 25 ticks.
+  Setup setup{.max_velocity = velocity_of_frequency(400'000)};
+  setup.pulse_width = 0;
+  CHECK(rig.refusal(hello(1, setup)) == RefusalReason::bad_setup);
+  setup.pulse_width = 13;
+  CHECK(rig.refusal(hello(1, setup)) == RefusalReason::bad_setup);
+  setup.pulse_width = 12;
+  CHECK(rig.type_of_answer(hello(1, setup)) == PacketType::welcome);
+}
+
 TEST_CASE("Another version is refused with those that the board speaks", "[hal][LNK-9]") {
   Rig rig;
   Packet packet(wire::kMaxPacket);

@@ -12,6 +12,7 @@ constexpr std::int64_t kSwitchStep = 1234;
 /// X closes its switch at kSwitchStep and beyond.
 struct SwitchOnX {
   SwitchOnX() {
+    board.keep_pulses = true;
     board.read_inputs = [this] {
       return Inputs{.home = board.counts[0] >= kSwitchStep ? axis_bit(0) : std::uint8_t{0}};
     };
@@ -47,6 +48,18 @@ struct SwitchOnX {
     REQUIRE(core.push(segment));
   }
 
+  /// When X made the step that took it to `count` the last time.
+  [[nodiscard]] Ticks last_step_to(std::int64_t count) const {
+    std::int64_t at = 0;
+    Ticks when = -1;
+    for (const Pulse& pulse : board.pulses) {
+      if (pulse.axis != 0) continue;
+      at += pulse.direction;
+      if (at == count) when = pulse.when;
+    }
+    return when;
+  }
+
   WatchedBoard board;
   Core core{board};
   std::uint32_t id = 0;
@@ -54,7 +67,7 @@ struct SwitchOnX {
 
 }  // namespace
 
-TEST_CASE("A latch catches the switching step at any speed", "[hal][LNK-6][HOM-2]") {
+TEST_CASE("A latch catches the switching step and its tick at any speed", "[hal][LNK-6][HOM-2]") {
   const double frequency = GENERATE(500.0, 20'000.0, 399'000.0);
   SwitchOnX machine;
   machine.core.arm_latch(0, Edge::activate);
@@ -63,6 +76,7 @@ TEST_CASE("A latch catches the switching step at any speed", "[hal][LNK-6][HOM-2
   CHECK(there.caught);
   CHECK_FALSE(there.armed);
   CHECK(there.count == kSwitchStep);
+  CHECK(there.time == machine.last_step_to(kSwitchStep));
 
   machine.core.arm_latch(0, Edge::release);
   CHECK_FALSE(machine.core.status().home_latch[0].caught);
@@ -70,6 +84,7 @@ TEST_CASE("A latch catches the switching step at any speed", "[hal][LNK-6][HOM-2
   const HomeLatch back = machine.core.status().home_latch[0];
   CHECK(back.caught);
   CHECK(back.count == kSwitchStep - 1);  // the first step at which the switch is open again
+  CHECK(back.time == machine.last_step_to(kSwitchStep - 1));
 }
 
 TEST_CASE("A latch ignores the edge that it was not armed for", "[hal][LNK-6]") {
@@ -108,5 +123,7 @@ TEST_CASE("A switch pressed by hand while the axis stands still is caught too", 
   pressed = true;
   core.advance(ticks(0.001));
   CHECK(core.status().home_latch[4].caught);
+  CHECK(core.status().home_latch[4].time > ticks(1.0));
+  CHECK(core.status().home_latch[4].time <= ticks(1.001));
   CHECK(core.status().home_latch[4].count == 0);
 }

@@ -1,4 +1,5 @@
 // The probe latch catches all axes at the very step of the touch, and the board stops by itself.
+#include <algorithm>
 #include <catch2/catch.hpp>
 
 #include "tests/hal/firmware_support.h"
@@ -12,6 +13,7 @@ constexpr std::int64_t kTouchStep = -12'340;
 /// Z probes downwards and touches at kTouchStep; X goes along, half as far.
 struct ProbeOnZ {
   ProbeOnZ() {
+    board.keep_pulses = true;
     board.read_inputs = [this] {
       return Inputs{.probe = pressed || board.counts[2] <= kTouchStep};
     };
@@ -54,7 +56,7 @@ struct ProbeOnZ {
 
 }  // namespace
 
-TEST_CASE("The probe latch catches every axis at the touching step, at any speed",
+TEST_CASE("The probe latch catches every axis at the touching step and its tick, at any speed",
           "[hal][LNK-6][GCO-2]") {
   const double frequency = GENERATE(500.0, 20'000.0, 80'000.0);
   ProbeOnZ machine;
@@ -67,6 +69,11 @@ TEST_CASE("The probe latch catches every axis at the touching step, at any speed
   CHECK(status.probe_latch.counts[2] == kTouchStep);
   CHECK(status.probe_latch.counts[0] == kTouchStep / 2);
   CHECK(status.probe_latch.counts[1] == 0);
+  const auto touch = std::ranges::find_if(machine.board.pulses, [z = 0](const Pulse& p) mutable {
+    return p.axis == 2 && (z += p.direction) == kTouchStep;
+  });
+  REQUIRE(touch != machine.board.pulses.end());
+  CHECK(status.probe_latch.time == touch->when);
 
   CHECK(status.path_stop == PathStop::stopped);
   CHECK(status.faults == 0);

@@ -13,7 +13,8 @@
 namespace cnc::hal::trace {
 namespace {
 
-constexpr double kCycle = 0.002;           // s
+constexpr double kCycle = 0.002;  // s
+constexpr auto kHomeSwitch = sim::VirtualMotor::Switch::home;
 constexpr std::size_t kInput = kAuxCount;  // the first of card 1
 
 /// A run-up to 10 mm/s takes half a second. Card 1 has two rules on its first input: one warns when
@@ -36,6 +37,7 @@ class Recording {
                          .ports_on = std::uint64_t{input_on ? 1U : 0U} << kInput}})) {}
 
   Controller& controller() { return controller_; }
+  sim::VirtualMachine& machine() { return board_.machine(); }
   const ControllerStatus& exchange() { return controller_.exchange(now_ += kCycle); }
   void run_for(double time) {
     for (const double end = now_ + time; now_ < end;) exchange();
@@ -46,6 +48,12 @@ class Recording {
       board_.machine().set_port_input(kInput, on);
       board_.board().advance_to(board_.board().now() + 0.0002);  // two of its slices
     }
+  }
+  /// The board sees it a third of an exchange before the host does.
+  template <typename Change>
+  void meet(Change change) {
+    board_.board().advance_to(board_.board().now() + kCycle * 2.0 / 3.0);
+    change();
   }
   /// Along X at 10 mm/s, from standstill to standstill.
   void push_way(std::uint32_t first_id, std::uint32_t count, double duration) {
@@ -163,6 +171,56 @@ TEST_CASE("A run-up needs numbers for its segments, above 0", "[hal][trace]") {
   // Half a second is five pieces of 0.1 s: up to the fifth segment there are not as many numbers.
   CHECK(trace.steps[report.begin].exchange.status.executing_id == 5);
   CHECK(report.compared > 700);  // from 0.5 s to 2.2 s: 850 exchanges
+}
+
+/// The home switch of X and the probe are met on the way, at a moment between two statuses.
+Trace trace_with_latches() {
+  Recording recording;
+  Controller& controller = recording.controller();
+  controller.arm_home_latch(Axis::X, LatchEdge::activate);
+  recording.push_way(1, 20, 0.1);
+  recording.run_for(0.5);
+  recording.meet([&] { recording.machine().stick_switch(Axis::X, kHomeSwitch, true); });
+  recording.run_for(0.1);
+  controller.arm_probe_latch();
+  recording.run_for(0.1);
+  recording.meet([&] { recording.machine().stick_probe(true); });
+  recording.run_for(1.0);
+  REQUIRE(recording.exchange().home_latch[Axis::X].caught);
+  REQUIRE(recording.exchange().probe_latch.caught);
+  REQUIRE(recording.exchange().path_stop == PathStop::stopped);
+  return recording.trace();
+}
+
+TEST_CASE("What latches caught they catch in the replay", "[hal][trace][LNK-6]") {
+  reproduced(trace_with_latches());
+}
+
+TEST_CASE("A latch that caught elsewhere, or nothing, differs", "[hal][trace][LNK-6]") {
+  struct Row {
+    std::string_view what;
+    void (*change)(ControllerStatus&);
+  };
+  // 10 mm/s for 2 ms and two steps of 0.005 mm are tolerated.
+  const Row row = GENERATE(values<Row>({
+      {"the home latch of X has caught nothing, replayed something",
+       [](ControllerStatus& status) { status.home_latch[Axis::X].caught = false; }},
+      {"the home latch of X has caught X at",
+       [](ControllerStatus& status) { status.home_latch[Axis::X].position += 0.05; }},
+      {"the probe latch has caught nothing, replayed something",
+       [](ControllerStatus& status) { status.probe_latch.caught = false; }},
+      {"the probe latch has caught X at",
+       [](ControllerStatus& status) { status.probe_latch.position[Axis::X] -= 0.05; }},
+      {"the probe latch has caught Y at",
+       [](ControllerStatus& status) { status.probe_latch.position[Axis::Y] = 1.0; }},
+  }));
+  CAPTURE(row.what);
+  Trace trace = trace_with_latches();
+  for (Step& step : trace.steps) row.change(step.exchange.status);
+  const auto report = replay(trace);
+  REQUIRE(report);
+  REQUIRE(report->difference);
+  CHECK_THAT(report->difference->what, Catch::StartsWith(std::string(row.what)));
 }
 
 }  // namespace

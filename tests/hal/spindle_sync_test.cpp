@@ -285,8 +285,8 @@ TEST_CASE("Each pass of a thread starts at the same angle of the spindle", "[hal
     Segment segment{.id = id++, .duration = 0.1, .wait_for_index = true, .spindle_speed = 1'000.0};
     segment.position[Axis::Z] = end;
     REQUIRE(controller->push({&segment, 1}) == 1);
-    const std::uint32_t index = hand.status().spindle_index_count;
-    while (hand.status().spindle_index_count == index) hand.wait(0.0001);
+    const std::uint32_t index = hand.status().index_latch.count;
+    while (hand.status().index_latch.count == index) hand.wait(0.0001);
     hand.wait(0.05);  // 5/6 of a revolution later the middle of the way has passed
     const double there = hand.status().position[Axis::Z];
     hand.wait(0.1);

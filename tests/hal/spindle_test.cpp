@@ -41,9 +41,9 @@ TEST_CASE("The index counts revolutions in either direction", "[hal][LNK-6]") {
   controller->set_outputs({.tool_direction = clockwise, .spindle_pwm = 6'000 / kFullSpeed});
   hand.status();
   hand.wait(2.0);  // twenty time constants
-  const std::uint32_t before = hand.status().spindle_index_count;
+  const std::uint32_t before = hand.status().index_latch.count;
   hand.wait(10.0);
-  CHECK(std::abs(static_cast<int>(hand.status().spindle_index_count - before) - 1000) <= 1);
+  CHECK(std::abs(static_cast<int>(hand.status().index_latch.count - before) - 1000) <= 1);
   CHECK(controller->machine().spindle_speed() == Approx(clockwise ? 6'000 : -6'000));
 }
 

@@ -86,9 +86,18 @@ firmware::HostFrame random_frame(std::mt19937& random) {
   return frame;
 }
 
+/// A step count that a board can have: 2^29 at the most, either way.
+std::int64_t any_count(std::mt19937& random) {
+  return std::int64_t{any<std::uint32_t>(random) >> 2U} - (std::int64_t{1} << 29U);
+}
+void fill_counts(firmware::PerAxis<std::int64_t>& counts, std::mt19937& random) {
+  for (std::int64_t& count : counts) count = any_count(random);
+}
+
 firmware::Status random_status(std::mt19937& random) {
   firmware::Status status;
-  status.time = any<std::int64_t>(random);
+  const auto moment = [&] { return status.time - any<std::uint32_t>(random); };
+  status.time = any<std::int64_t>(random) >> 2U;
   status.faults = any<std::uint16_t>(random);
   status.executing_id = any<std::uint32_t>(random);
   status.executing_elapsed = any<std::uint32_t>(random);
@@ -97,21 +106,31 @@ firmware::Status random_status(std::mt19937& random) {
   status.fifo_free = any<std::uint16_t>(random);
   status.queued_time = any<std::int64_t>(random);
   status.moving = random() % 2 == 0;
-  for (auto& count : status.counts) count = any<std::int64_t>(random);
+  fill_counts(status.counts, random);
   status.inputs.home = any<std::uint8_t>(random);
   status.inputs.probe = random() % 2 == 0;
   status.inputs.ports = any<std::uint64_t>(random);
   for (auto& analog : status.inputs.analog) analog = any<std::uint32_t>(random);
-  status.inputs.index_time = any<std::int64_t>(random);
+  status.inputs.index_count = any<std::uint32_t>(random);
+  status.inputs.index_time = moment();
+  fill_counts(status.index_counts, random);
   status.inputs.alarm = any<std::uint8_t>(random);
   status.spindle_period = any<std::int64_t>(random);
   for (auto& latch : status.home_latch) {
     latch = {.armed = random() % 2 == 0, .caught = random() % 2 == 0};
-    if (latch.armed || latch.caught) latch.count = any<std::int64_t>(random);
+    if (!latch.armed && !latch.caught) continue;
+    latch.count = any_count(random);
+    latch.time = moment();
   }
   if (random() % 2 == 0) {
     status.probe_latch.caught = true;
-    for (auto& count : status.probe_latch.counts) count = any<std::int64_t>(random);
+    fill_counts(status.probe_latch.counts, random);
+    status.probe_latch.time = moment();
+  }
+  if (random() % 2 == 0) {
+    status.estop_latch.count = 1U + any<std::uint32_t>(random) / 2;
+    fill_counts(status.estop_latch.counts, random);
+    status.estop_latch.time = moment();
   }
   status.path_stop = static_cast<firmware::PathStop>(random() % 3);
   status.time_scale = any<std::uint32_t>(random);
@@ -327,11 +346,12 @@ TEST_CASE("The least rate of a serial line passes the longest status 500 times a
   CHECK(body_of(status).size() < kMaxStatus);
   for (firmware::HomeLatch& latch : status.home_latch) latch = {.armed = true};
   status.probe_latch.armed = true;
+  status.estop_latch.count = 1;
   status.guard_counts.fill(1);
   CHECK(body_of(status).size() == kMaxStatus);
   // With magic number, version, type, session and CRC, and what stuffing adds at most.
   constexpr std::size_t kSize = cobs_size(8 + kMaxStatus + 4);
-  CHECK(kSize == 363);
+  CHECK(kSize == 371);
   constexpr unsigned kBits = 10;  // of a byte: start, 8, stop
   for (const unsigned rate : SerialChannel::kRates) CHECK(500 * kBits * kSize <= rate);
 }

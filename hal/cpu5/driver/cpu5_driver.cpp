@@ -200,6 +200,7 @@ void Cpu5Driver::begin_session(const BoardAnswer& answer) {
   status_.board = {.name = answer.identity.name, .serial = answer.identity.serial};
   status_.counts_lost = answer.counts_lost;
   if (!answer.counts_lost) return;
+  status_.index_latch = status_.estop_latch = {};
   for (const Axis axis : kAllAxes) {
     scales_[axis].set_position(status_.position[axis], answer.status.counts[index_of(axis)]);
   }
@@ -395,12 +396,15 @@ void Cpu5Driver::read_status() {
   status_.time_scale = static_cast<double>(board_.time_scale) / double{firmware::kFullScale};
   status_.inputs = from_board(board_.inputs);
   status_.spindle_speed = speed_of(board_.spindle_period);
-  status_.spindle_index_count = board_.inputs.index_count;
   status_.outputs = from_board(board_.outputs);
   status_.position = position_of(board_.counts);
   status_.guard_counts = board_.guard_counts;
   read_latches();
   read_probe_latch();
+  read_event(status_.index_latch, board_.inputs.index_count, board_.index_counts,
+             board_.inputs.index_time);
+  const firmware::EstopLatch& estop = board_.estop_latch;
+  read_event(status_.estop_latch, estop.count, estop.counts, estop.time);
 }
 
 // A caught count is converted once, when it is first seen: a later set_position() must not move it.
@@ -410,7 +414,10 @@ void Cpu5Driver::read_latches() {
     if (status_.frames_done < latch_frame_[axis]) continue;
     const firmware::HomeLatch& caught = board_.home_latch[index_of(axis)];
     Latch& latch = status_.home_latch[axis];
-    if (caught.caught && !latch.caught) latch.position = scales_[axis].position_of(caught.count);
+    if (caught.caught && !latch.caught) {
+      latch.position = scales_[axis].position_of(caught.count);
+      latch.time = seconds(caught.time);
+    }
     latch.armed = caught.armed;
     latch.caught = caught.caught;
   }
@@ -420,10 +427,21 @@ void Cpu5Driver::read_probe_latch() {
   if (status_.frames_done < probe_frame_) return;
   const firmware::ProbeLatch& board = board_.probe_latch;
   ProbeLatch& latch = status_.probe_latch;
-  if (board.caught && !latch.caught) latch.position = position_of(board.counts);
+  if (board.caught && !latch.caught) {
+    latch.position = position_of(board.counts);
+    latch.time = seconds(board.time);
+  }
   latch.armed = board.armed;
   latch.caught = board.caught;
   latch.active_at_arming = board.active_at_arming;
+}
+
+/// Once, too, and its time as long as the wire can tell it.
+void Cpu5Driver::read_event(EventLatch& latch, std::uint32_t count,
+                            const firmware::PerAxis<std::int64_t>& counts,
+                            firmware::Ticks time) const {
+  if (count == latch.count) return;
+  latch = {.count = count, .position = position_of(counts), .time = seconds(time)};
 }
 
 Position Cpu5Driver::position_of(const firmware::PerAxis<std::int64_t>& counts) const {

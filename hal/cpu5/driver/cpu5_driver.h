@@ -93,6 +93,8 @@ class Cpu5Driver : public Controller {
   void read_status();
   void read_latches();
   void read_probe_latch();
+  void read_event(EventLatch& latch, std::uint32_t count,
+                  const firmware::PerAxis<std::int64_t>& counts, firmware::Ticks time) const;
   [[nodiscard]] bool path_is_on_its_way() const;
   [[nodiscard]] Position position_of(const firmware::PerAxis<std::int64_t>& counts) const;
 

@@ -315,6 +315,8 @@ Status Core::status() {
           .spindle_period = spindle_.period(played.time),
           .home_latch = played.home_latch,
           .probe_latch = played.probe_latch,
+          .estop_latch = played.estop_latch,
+          .index_counts = played.index_counts,
           .path_stop = path_stop_,
           .cut_late = cut_late_,
           .time_scale = time_scale_,

@@ -68,6 +68,7 @@ struct HomeLatch {
   bool caught = false;
   Edge edge = Edge::activate;
   std::int64_t count = 0;
+  Ticks time = 0;
 };
 
 /// Where the board stands with a stop along the path (core.h).
@@ -79,6 +80,15 @@ struct ProbeLatch {
   bool caught = false;
   bool active_at_arming = false;
   PerAxis<std::int64_t> counts{};
+  Ticks time = 0;
+};
+
+/// Always armed: catches the step counts of all axes, which stop there, when an estop input becomes
+/// active and none was.
+struct EstopLatch {
+  std::uint32_t count = 0;  ///< how often since power-up; wraps
+  PerAxis<std::int64_t> counts{};
+  Ticks time = 0;
 };
 
 inline constexpr std::uint16_t kMaxDirectionTicks = 400;
@@ -117,6 +127,8 @@ struct Status {
   Ticks spindle_period = 0;  ///< per revolution (spindle_meter.h); 0 = standing
   PerAxis<HomeLatch> home_latch{};
   ProbeLatch probe_latch{};
+  EstopLatch estop_latch{};
+  PerAxis<std::int64_t> index_counts{};  ///< steps at inputs.index_time
   PathStop path_stop = PathStop::none;
   bool cut_late = false;  ///< the last cut was; segments are dropped until the next
   TimeScale time_scale = kFullScale;

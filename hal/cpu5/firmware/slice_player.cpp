@@ -67,6 +67,7 @@ void SlicePlayer::make_steps(Ticks now) {
     if (due > now) return;
     ++next_step_;
     played_.counts[step.axis] += step.direction;
+    history_.note(step.axis, step.direction, due);
     io_.step(step.axis, step.direction, due);
     look = look || played_.probe_latch.armed || played_.home_latch[step.axis].armed;
     const bool more_at_once =
@@ -87,21 +88,20 @@ void SlicePlayer::leave_slice() {
 }
 
 void SlicePlayer::sample_inputs(Ticks now) {
+  const std::uint32_t index_before = played_.inputs.index_count;
   played_.inputs = io_.inputs(now);
-  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
-    if (played_.home_latch[axis].armed) watch_latch(axis);
+  if (played_.inputs.index_count != index_before) {
+    played_.index_counts = history_.counts_at(played_.inputs.index_time, played_.counts);
   }
-  if (played_.probe_latch.armed && played_.inputs.probe) watch_probe();
-  if (played_.inputs.estop()) raise(kEstop);
-  // An alarm may last until the drives are switched off: only its beginning is a fault.
-  const auto begun = static_cast<std::uint8_t>(played_.inputs.alarm &
-                                               ~std::exchange(alarm_before_, played_.inputs.alarm));
-  if (begun == 0) return;
-  alarmed_axes_ |= begun;
-  raise(kStepLoss);
+  for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
+    if (played_.home_latch[axis].armed) watch_latch(axis, now);
+  }
+  if (played_.probe_latch.armed && played_.inputs.probe) watch_probe(now);
+  watch_estop(now);
+  watch_alarms();
 }
 
-void SlicePlayer::watch_latch(std::size_t axis) {
+void SlicePlayer::watch_latch(std::size_t axis, Ticks now) {
   const bool is_active = (played_.inputs.home & axis_bit(axis)) != 0;
   if (is_active == home_before_[axis]) return;
   home_before_[axis] = is_active;
@@ -110,12 +110,32 @@ void SlicePlayer::watch_latch(std::size_t axis) {
   latch.armed = false;
   latch.caught = true;
   latch.count = played_.counts[axis];
+  latch.time = now;
 }
 
-void SlicePlayer::watch_probe() {
+void SlicePlayer::watch_probe(Ticks now) {
   played_.probe_latch.armed = false;
   played_.probe_latch.caught = true;
   played_.probe_latch.counts = played_.counts;
+  played_.probe_latch.time = now;
+}
+
+void SlicePlayer::watch_estop(Ticks now) {
+  const bool was_active = std::exchange(estop_before_, played_.inputs.estop());
+  if (!estop_before_) return;
+  raise(kEstop);
+  if (was_active) return;
+  EstopLatch& latch = played_.estop_latch;
+  latch = {.count = latch.count + 1, .counts = played_.counts, .time = now};
+}
+
+/// An alarm may last until the drives are switched off: only its beginning is a fault.
+void SlicePlayer::watch_alarms() {
+  const auto begun = static_cast<std::uint8_t>(played_.inputs.alarm &
+                                               ~std::exchange(alarm_before_, played_.inputs.alarm));
+  if (begun == 0) return;
+  alarmed_axes_ |= begun;
+  raise(kStepLoss);
 }
 
 void SlicePlayer::raise(FaultBits alarm) {

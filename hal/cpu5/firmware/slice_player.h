@@ -1,5 +1,7 @@
 // The fast half of the core: plays planned slices. Each step leaves at its tick and is counted; an
 // armed latch looks at the inputs at each step, an estop is seen at the beginning of each slice.
+// The spindle's index is timed by the board's capture unit: where the axes were at that tick is
+// found when it is seen.
 // The outputs are here too: a slice may change some of them as it begins.
 //
 // Who may interrupt whom, on a processor with one core: run_until() belongs to the step timer's
@@ -13,6 +15,7 @@
 
 #include "hal/cpu5/firmware/board_io.h"
 #include "hal/cpu5/firmware/slice.h"
+#include "hal/cpu5/firmware/step_history.h"
 
 namespace cnc::hal::cpu5::firmware {
 
@@ -24,6 +27,8 @@ struct Played {
   Inputs inputs{};
   PerAxis<HomeLatch> home_latch{};
   ProbeLatch probe_latch{};
+  EstopLatch estop_latch{};
+  PerAxis<std::int64_t> index_counts{};  ///< at the last index pulse
 };
 
 class SlicePlayer {
@@ -101,8 +106,10 @@ class SlicePlayer {
   [[nodiscard]] bool may_play() const { return !idle() && !halted_; }
   [[nodiscard]] PathPlace place_now() const;
   void sample_inputs(Ticks now);
-  void watch_latch(std::size_t axis);
-  void watch_probe();
+  void watch_latch(std::size_t axis, Ticks now);
+  void watch_probe(Ticks now);
+  void watch_estop(Ticks now);
+  void watch_alarms();
 
   BoardIo& io_;
   std::array<Slice, kSlices> ring_;
@@ -121,7 +128,9 @@ class SlicePlayer {
   bool entered_ = false;  // the front slice is being played
   std::uint32_t next_step_ = 0;
   Played played_;  // its place: at the beginning of the front slice, or where the last one ended
+  StepHistory history_;
   PerAxis<bool> home_before_{};
+  bool estop_before_ = false;
   std::uint8_t alarm_before_ = 0;
 };
 

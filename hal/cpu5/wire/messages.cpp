@@ -59,6 +59,33 @@ void get_all(ByteReader& body, std::array<T, kSize>& values) {
   for (T& value : values) value = body.get<T>();
 }
 
+// Counts stay within kMaxPosition.
+static_assert(firmware::nearest_step(firmware::kMaxPosition) <
+              std::numeric_limits<std::int32_t>::max());
+
+using Counts = firmware::PerAxis<std::int64_t>;
+
+void put_count(ByteWriter& body, std::int64_t count) { body.put(static_cast<std::int32_t>(count)); }
+[[nodiscard]] std::int64_t get_count(ByteReader& body) { return body.get<std::int32_t>(); }
+
+void put_counts(ByteWriter& body, const Counts& counts) {
+  for (const std::int64_t count : counts) put_count(body, count);
+}
+void get_counts(ByteReader& body, Counts& counts) {
+  for (std::int64_t& count : counts) count = get_count(body);
+}
+
+/// A moment, as the time from there to the status. Whoever sends absurd ones gets absurd ones.
+void put_moment(ByteWriter& body, firmware::Ticks moment, firmware::Ticks now) {
+  const auto ago = static_cast<firmware::Ticks>(static_cast<std::uint64_t>(now) -
+                                                static_cast<std::uint64_t>(moment));
+  body.put(static_cast<std::uint32_t>(ago < 0 ? 0 : ago < kLongestAgo ? ago : kLongestAgo));
+}
+[[nodiscard]] firmware::Ticks get_moment(ByteReader& body, firmware::Ticks now) {
+  const auto ago = body.get<std::uint32_t>();
+  return static_cast<firmware::Ticks>(static_cast<std::uint64_t>(now) - ago);
+}
+
 // --- outputs and inputs --------------------------------------------------------------------------
 
 void put_outputs(ByteWriter& body, const Outputs& outputs) {
@@ -132,8 +159,6 @@ void put_inputs(ByteWriter& body, const Inputs& inputs) {
   body.put(inputs.ports);
   put_all(body, inputs.analog);
   body.put(inputs.hand_wheel_count);
-  body.put(inputs.index_count);
-  body.put(inputs.index_time);
   body.put(inputs.alarm);
 }
 
@@ -144,8 +169,6 @@ void get_inputs(ByteReader& body, Inputs& inputs) {
   inputs.ports = body.get<firmware::PortBits>();
   get_all(body, inputs.analog);
   inputs.hand_wheel_count = body.get<std::int32_t>();
-  inputs.index_count = body.get<std::uint32_t>();
-  inputs.index_time = body.get<firmware::Ticks>();
   inputs.alarm = body.get<std::uint8_t>();
 }
 
@@ -363,6 +386,8 @@ namespace {
 
 // Of what may be there or not.
 constexpr std::uint8_t kProbeLatch = 1U << kAxisCount;
+constexpr std::uint8_t kEstopLatch = kProbeLatch << 1;
+static_assert(kEstopLatch == 1U << 7);
 
 [[nodiscard]] bool tells_something(const HomeLatch& latch) { return latch.armed || latch.caught; }
 [[nodiscard]] bool tells_something(const ProbeLatch& latch) {
@@ -376,23 +401,31 @@ void put_latches(ByteWriter& body, const Status& status) {
       present = static_cast<std::uint8_t>(present | firmware::axis_bit(axis));
     }
   }
-  const bool probe = tells_something(status.probe_latch);
-  body.put(static_cast<std::uint8_t>(present | (probe ? kProbeLatch : 0)));
+  if (tells_something(status.probe_latch)) present |= kProbeLatch;
+  if (status.estop_latch.count != 0) present |= kEstopLatch;
+  body.put(present);
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     if ((present & firmware::axis_bit(axis)) == 0) continue;
     const HomeLatch& latch = status.home_latch[axis];
     put_bits(body, latch.armed, latch.caught, latch.edge == Edge::release);
-    body.put(latch.count);
+    put_count(body, latch.count);
+    put_moment(body, latch.time, status.time);
   }
-  if (!probe) return;
-  const ProbeLatch& latch = status.probe_latch;
-  put_bits(body, latch.armed, latch.caught, latch.active_at_arming);
-  put_all(body, latch.counts);
+  if ((present & kProbeLatch) != 0) {
+    const ProbeLatch& latch = status.probe_latch;
+    put_bits(body, latch.armed, latch.caught, latch.active_at_arming);
+    put_counts(body, latch.counts);
+    put_moment(body, latch.time, status.time);
+  }
+  if ((present & kEstopLatch) != 0) {
+    body.put(status.estop_latch.count);
+    put_counts(body, status.estop_latch.counts);
+    put_moment(body, status.estop_latch.time, status.time);
+  }
 }
 
 void get_latches(ByteReader& body, Status& status) {
   const auto present = body.get<std::uint8_t>();
-  if (present >= 2 * kProbeLatch) body.refuse();
   for (std::size_t axis = 0; axis < kAxisCount; ++axis) {
     HomeLatch& latch = status.home_latch[axis];
     latch = {};
@@ -400,13 +433,34 @@ void get_latches(ByteReader& body, Status& status) {
     bool release = false;
     get_bits(body, latch.armed, latch.caught, release);
     latch.edge = release ? Edge::release : Edge::activate;
-    latch.count = body.get<std::int64_t>();
+    latch.count = get_count(body);
+    latch.time = get_moment(body, status.time);
   }
-  ProbeLatch& latch = status.probe_latch;
-  latch = {};
-  if ((present & kProbeLatch) == 0) return;
-  get_bits(body, latch.armed, latch.caught, latch.active_at_arming);
-  get_all(body, latch.counts);
+  status.probe_latch = {};
+  if ((present & kProbeLatch) != 0) {
+    ProbeLatch& latch = status.probe_latch;
+    get_bits(body, latch.armed, latch.caught, latch.active_at_arming);
+    get_counts(body, latch.counts);
+    latch.time = get_moment(body, status.time);
+  }
+  status.estop_latch = {};
+  if ((present & kEstopLatch) != 0) {
+    status.estop_latch.count = body.get<std::uint32_t>();
+    get_counts(body, status.estop_latch.counts);
+    status.estop_latch.time = get_moment(body, status.time);
+  }
+}
+
+void put_index(ByteWriter& body, const Status& status) {
+  body.put(status.inputs.index_count);
+  put_counts(body, status.index_counts);
+  put_moment(body, status.inputs.index_time, status.time);
+}
+
+void get_index(ByteReader& body, Status& status) {
+  status.inputs.index_count = body.get<std::uint32_t>();
+  get_counts(body, status.index_counts);
+  status.inputs.index_time = get_moment(body, status.time);
 }
 
 using GuardCounts = firmware::PerGuardRule<std::uint8_t>;
@@ -448,8 +502,9 @@ void put_status(ByteWriter& body, const StatusNumbers& numbers, const Status& st
   body.put(status.queued_time);
   put_bits(body, status.moving, status.cut_late);
   body.put(static_cast<std::uint8_t>(status.path_stop));
-  put_all(body, status.counts);
+  put_counts(body, status.counts);
   put_inputs(body, status.inputs);
+  put_index(body, status);
   body.put(status.spindle_period);
   body.put(static_cast<std::uint32_t>(status.time_scale));
   put_outputs(body, status.outputs);
@@ -472,8 +527,9 @@ bool get_status(ByteReader& body, StatusNumbers& numbers, Status& status) {
   status.queued_time = body.get<firmware::Ticks>();
   get_bits(body, status.moving, status.cut_late);
   status.path_stop = get_one_of<PathStop>(body, 3);
-  get_all(body, status.counts);
+  get_counts(body, status.counts);
   get_inputs(body, status.inputs);
+  get_index(body, status);
   status.spindle_period = body.get<firmware::Ticks>();
   status.time_scale = body.get<std::uint32_t>();
   get_outputs(body, status.outputs);

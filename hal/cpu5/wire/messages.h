@@ -80,8 +80,10 @@ void put_numbers(ByteWriter& body, const FrameNumbers& numbers);
 void put_frame(ByteWriter& body, const firmware::HostFrame& frame);
 [[nodiscard]] bool get_frame(ByteReader& body, firmware::HostFrame& frame);
 
-/// Bytes of the largest: every latch tells something, every guard has counted.
-inline constexpr std::size_t kMaxStatus = 348;
+/// Bytes of the largest: every latch tells something, every guard has counted. Times of latches
+/// come back as they were if they were not longer than kLongestAgo before the status.
+inline constexpr firmware::Ticks kLongestAgo = 0xFFFF'FFFF;  // 429 s
+inline constexpr std::size_t kMaxStatus = 356;
 void put_status(ByteWriter& body, const StatusNumbers& numbers, const firmware::Status& status);
 [[nodiscard]] bool get_status(ByteReader& body, StatusNumbers& numbers, firmware::Status& status);
 
