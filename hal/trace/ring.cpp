@@ -13,10 +13,13 @@ void Ring::append(std::span<const std::uint64_t> record) {
   const std::uint64_t end = begin + record.size();
   std::uint64_t oldest = oldest_.load(std::memory_order_relaxed);
   while (end - oldest > size_)
-    oldest += RecordHead::from(at(oldest).load(std::memory_order_relaxed)).words();
+    oldest += RecordHead::from(words_[oldest % size_].load(std::memory_order_relaxed)).words();
   oldest_.store(oldest, std::memory_order_relaxed);
-  for (std::uint64_t i = 0; i < record.size(); ++i)
-    at(begin + i).store(record[i], std::memory_order_release);
+  std::uint64_t index = begin % size_;
+  for (const std::uint64_t word : record) {
+    words_[index].store(word, std::memory_order_release);
+    index = index_after(index);
+  }
   end_.store(end, std::memory_order_release);
 }
 
@@ -26,8 +29,11 @@ std::vector<std::uint64_t> Ring::copy() const {
   if (begin >= end) return {};
   std::vector<std::uint64_t> words;
   words.reserve(end - begin);
-  for (std::uint64_t place = begin; place < end; ++place)
-    words.push_back(at(place).load(std::memory_order_acquire));
+  std::uint64_t index = begin % size_;
+  for (std::uint64_t place = begin; place < end; ++place) {
+    words.push_back(words_[index].load(std::memory_order_acquire));
+    index = index_after(index);
+  }
   const std::uint64_t whole = std::min(oldest_.load(std::memory_order_acquire), end);
   words.erase(words.begin(), words.begin() + static_cast<std::ptrdiff_t>(whole - begin));
   return words;
