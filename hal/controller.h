@@ -20,9 +20,10 @@
 namespace cnc::hal {
 
 /// One piece of motion for the board's FIFO: a cubic from the end of the segment before it. `id`
-/// counts up by one from segment to segment, never 0; the first after a fault, any stop or a cut
-/// may have any. Segments shorter than Capabilities::min_segment_duration are stretched to it, and
-/// later ones shortened until the total time is right again.
+/// counts up by one from segment to segment, never 0, which is left out when the numbers go round;
+/// the first after a fault, any stop or a cut may have any. Segments shorter than
+/// Capabilities::min_segment_duration are stretched to it, and later ones shortened until the total
+/// time is right again.
 struct Segment {
   std::uint32_t id = 0;
   double duration = 0.0;  ///< s
@@ -196,8 +197,9 @@ class Controller {
   /// While a fault is pending the board keeps its outputs in the safe state, and it does not bring
   /// back what was on before: call again after clear_faults().
   virtual void set_outputs(const Outputs& outputs) = 0;
-  /// Some of them, at once. Under the same conditions. False: one is on its way out already, try
-  /// again behind the next exchange.
+  /// Some of them, at once. Under the same conditions. With others of the same exchange where
+  /// nothing is lost by that but values of PWM that would be there for a moment; false: it cannot
+  /// join them, try again behind the next exchange.
   virtual bool change_outputs(const OutputChange& change) = 0;
   /// Stops step pulses at once and empties the FIFO. Steps may be lost by a real motor.
   virtual void quick_stop() = 0;

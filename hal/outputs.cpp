@@ -20,6 +20,16 @@ void for_each_member(To& to, const OutputChange& change, Visit visit) {
 
 }  // namespace
 
+bool OutputChange::can_add(const OutputChange& later) const {
+  const auto agrees = [](const auto& mine, const auto& its) {
+    return !mine || !its || *mine == *its;
+  };
+  const bool same_channel = !pwm || !later.pwm || pwm->channel == later.pwm->channel;
+  return agrees(spindle_on, later.spindle_on) && agrees(tool_direction, later.tool_direction) &&
+         agrees(mist, later.mist) && agrees(flood, later.flood) && agrees(port, later.port) &&
+         same_channel;
+}
+
 void OutputChange::add(const OutputChange& later) {
   for_each_member(*this, later, [](auto& mine, const auto& its) {
     if (its) mine = its;

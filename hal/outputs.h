@@ -49,6 +49,9 @@ struct OutputChange {
   std::optional<Pwm> pwm{};
 
   [[nodiscard]] bool empty() const { return *this == OutputChange{}; }
+  /// Whether both at one moment come to the same as one behind the other but for a value of PWM
+  /// that would have been there between: nothing is switched to and fro, and there is room.
+  [[nodiscard]] bool can_add(const OutputChange& later) const;
   /// Takes over what `later` changes.
   void add(const OutputChange& later);
   void apply_to(Outputs& outputs) const;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <deque>
 
+#include "hal/counting_round.h"
 #include "hal/trace/replay_judge.h"
 
 namespace cnc::hal::trace {
@@ -24,7 +25,7 @@ class FifoModel {
   void apply(const Request& request) {
     if (const auto* segment = std::get_if<Segment>(&request)) segments_.push_back(*segment);
     if (const auto* cut = std::get_if<CutBehind>(&request))
-      while (!segments_.empty() && segments_.back().id > cut->id) segments_.pop_back();
+      while (!segments_.empty() && is_newer(segments_.back().id, cut->id)) segments_.pop_back();
     if (std::holds_alternative<QuickStop>(request) ||
         std::holds_alternative<ClearFaults>(request) ||
         std::holds_alternative<ReleaseStop>(request))

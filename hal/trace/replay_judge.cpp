@@ -5,6 +5,7 @@
 #include <fmt/format.h>
 #include <utility>
 
+#include "hal/counting_round.h"
 #include "hal/fault_names.h"
 
 namespace cnc::hal::trace {
@@ -119,9 +120,13 @@ class Judge {
     if (none_has(i, &Seen::cut_late, recorded.cut_late))
       return fmt::format("the last cut was {}, replayed {}", recorded.cut_late ? "late" : "in time",
                          seen_[i].cut_late ? "late" : "in time");
-    const auto ids = std::ranges::minmax(around(i), {}, &Seen::executing_id);
-    if (recorded.executing_id < ids.min.executing_id ||
-        recorded.executing_id > ids.max.executing_id)
+    const auto is_passed = [&](const Seen& seen) {
+      return !is_newer(recorded.executing_id, seen.executing_id);
+    };
+    const auto is_reached = [&](const Seen& seen) {
+      return !is_newer(seen.executing_id, recorded.executing_id);
+    };
+    if (std::ranges::none_of(around(i), is_passed) || std::ranges::none_of(around(i), is_reached))
       return fmt::format("segment {} is in execution, replayed {}", recorded.executing_id,
                          seen_[i].executing_id);
     return std::nullopt;

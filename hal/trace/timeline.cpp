@@ -6,6 +6,8 @@
 #include <optional>
 #include <unordered_map>
 
+#include "hal/counting_round.h"
+
 namespace cnc::hal::trace {
 namespace {
 
@@ -211,14 +213,14 @@ class Timeline {
                                                         const ControllerStatus& after) const {
     if (after.executing_id - before.executing_id > kMostBetween) return std::nullopt;
     double sum = 0.0;
-    for (std::uint32_t id = before.executing_id; id <= after.executing_id; ++id) {
+    for (std::uint32_t id = before.executing_id;; id = id_after(id)) {
       const auto found = durations_.find(id);
       if (found == durations_.end()) return std::nullopt;
       sum += found->second;
       if (id == before.executing_id) sum -= before.executing_phase * found->second;
-      if (id == after.executing_id) sum -= (1.0 - after.executing_phase) * found->second;
+      if (id != after.executing_id) continue;
+      return sum - (1.0 - after.executing_phase) * found->second;
     }
-    return sum;
   }
 
   [[nodiscard]] static std::optional<double> part_at_latch(const ControllerStatus& before,

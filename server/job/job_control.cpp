@@ -202,7 +202,7 @@ void JobControl::plan_speeds() {
 /// With it goes what the notes behind the segment before it switch.
 Result<void> JobControl::emit(const motion::Setpoint& setpoint) {
   hal::OutputChange change;
-  const std::uint32_t id = feed_.next_id();
+  const MotionFeed::Id id = feed_.next_id();
   for (auto note = notes_.rbegin(); note != notes_.rend() && note->after_segment == feed_.last_id();
        ++note) {
     note->change = io_.change_for(note->event.command.body, note->speed);

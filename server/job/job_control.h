@@ -103,10 +103,10 @@ class JobControl {
   /// A note to be shown behind a segment. What it switches travels with the next one, so that it
   /// happens at its very step (3.5.5, 3.5.2); it is then shown when that one has begun.
   struct DueNote {
-    std::uint32_t after_segment = 0;
+    MotionFeed::Id after_segment = 0;
     JobEvent event;
-    SpindleSpeed speed;              // behind it
-    std::uint32_t with_segment = 0;  // 0: with none yet, or nothing to switch
+    SpindleSpeed speed;               // behind it
+    MotionFeed::Id with_segment = 0;  // 0: with none yet, or nothing to switch
     hal::OutputChange change{};
     std::uint64_t ticket = 0;  // MachineIo's
   };

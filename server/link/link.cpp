@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "hal/counting_round.h"
+
 namespace cnc::server {
 
 Link::Link(std::unique_ptr<hal::Controller> controller) : controller_(std::move(controller)) {}
@@ -80,7 +82,7 @@ void Link::note_done(std::uint64_t frames_done) {
 bool Link::is_replaced(const LinkItem& item) const {
   const auto* segment = std::get_if<hal::Segment>(&item);
   return segment != nullptr && delivered_ < cut_item_.load(std::memory_order_acquire) &&
-         segment->id > cut_behind_.load(std::memory_order_relaxed);
+         hal::is_newer(segment->id, cut_behind_.load(std::memory_order_relaxed));
 }
 
 /// A segment that is replaced must not hold up the cut where the board has no room. Where there is

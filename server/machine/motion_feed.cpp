@@ -17,6 +17,8 @@ constexpr double kOnItsWay = 0.02;
 
 /// Room kept in the link for commands: outputs, latches, faults to clear.
 constexpr std::size_t kReserve = 64;
+/// Of which commands leave so much for a cut, and what then settles.
+constexpr std::size_t kCutReserve = 16;
 
 /// A motor that is sent no further than this stands, mm or degrees: positions that were worked back
 /// from what it counts differ in their last digits.
@@ -82,6 +84,7 @@ MotionFeed::MotionFeed(Link& link, const config::MachineConfig& config, Clock cl
 }
 
 void MotionFeed::update() {
+  send_waiting();
   read_status();
   fastest_ = fastest_under_way();
   if (position_unknown_ && !status_.board.moving && all_told()) accept_board_position();
@@ -89,8 +92,48 @@ void MotionFeed::update() {
 
 /// In the compensation's state at the end of what the board executes.
 const motion::Compensation::State& MotionFeed::state_of_board() const {
-  const std::uint32_t id = status_.board.executing_id;
+  const Id id = executing_id_;
   return id > void_id_ && sent(id).id == id ? sent(id).state : void_state_;
+}
+
+/// Of the numbers that were given the newest with this lower half; 0: none of ours.
+MotionFeed::Id MotionFeed::id_of(std::uint32_t number) const {
+  constexpr Id kCircle = Id{1} << 32U;
+  if (number == 0) return 0;
+  const Id id = newest_id_ / kCircle * kCircle + number;
+  if (id <= newest_id_) return id;
+  return id < kCircle ? 0 : id - kCircle;
+}
+
+MotionFeed::Id MotionFeed::next_id() const {
+  const Id next = newest_id_ + 1;
+  return static_cast<std::uint32_t>(next) == 0 ? next + 1 : next;
+}
+
+void MotionFeed::send(const LinkItem& item) {
+  const bool has_room = send_waiting() && link_.space() > kCutReserve;
+  if (!has_room || !link_.push(item)) waiting_.push_back(item);
+}
+
+/// True: nothing waits any more.
+bool MotionFeed::send_waiting() {
+  while (!waiting_.empty() && link_.space() > kCutReserve && link_.push(waiting_.front()))
+    waiting_.pop_front();
+  return waiting_.empty();
+}
+
+/// What another host has made the board execute last ends here, as far as this one knows.
+void MotionFeed::join_session() {
+  send(JoinSession{status_.board.sessions});
+  const Id before = status_.board.executing_id;
+  if (before <= newest_id_) return;
+  Sent standing = sent(last_id_);
+  standing.id = before;
+  standing.before = last_id_;
+  standing.duration = 0.0;
+  standing.moves = {};
+  history_[before % kHistory] = standing;
+  newest_id_ = last_id_ = executing_id_ = before;
 }
 
 /// The board counts motors; from here on its positions are the machine's.
@@ -100,6 +143,7 @@ void MotionFeed::read_status() {
   status_ = link_.status();
   hal::ControllerStatus& board = status_.board;
   if (std::pair{board.executing_id, board.executing_phase} != place_before) moved_at_ = board.time;
+  executing_id_ = id_of(board.executing_id);
   const motion::Compensation::State& state = state_of_board();
   motors_ = board.position;
   board.position = compensation_.machine_at(motors_, state);
@@ -124,9 +168,10 @@ void MotionFeed::translate(hal::EventLatch& latch, hal::EventLatch& known) const
 }
 
 bool MotionFeed::wants_more(double least) const {
-  return sent(last_id_).end_time - executed_time() < std::max(least, lead(fastest_)) &&
-         link_.space() > kReserve;
+  return sent(last_id_).end_time - executed_time() < std::max(least, lead(fastest_)) && has_room();
 }
+
+bool MotionFeed::has_room() const { return waiting_.empty() && link_.space() > kReserve; }
 
 /// An axis that the plan brakes leaves the board nothing to brake harder with: axes that come to
 /// rest one after the other need the sum of their times. A ramp in whole setpoints may take two
@@ -184,7 +229,7 @@ Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Se
                               std::uint64_t ordinal, const hal::OutputChange& change) {
   if (auto checked = motor_check_.check(motors); !checked) return checked;
   const Sent& before = sent(last_id_);
-  Sent next{.id = newest_id_ + 1,
+  Sent next{.id = next_id(),
             .before = before.id,
             .ordinal = ordinal,
             .end_time = before.end_time + setpoint.duration,
@@ -202,14 +247,14 @@ Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Se
     next.moves[axis] = std::abs(motors.position[axis] - before.motors[axis]) > kStill ||
                        before.motor_velocity[axis] != 0.0 || motors.velocity[axis] != 0.0;
   const motion::MoveTag& tag = setpoint.tag;
-  const hal::Segment segment{.id = next.id,
+  const hal::Segment segment{.id = static_cast<std::uint32_t>(next.id),
                              .duration = setpoint.duration,
                              .position = motors.position,
                              .velocity = motors.velocity,
                              .wait_for_index = tag.begins_at_index && tag.id != before.tag.id,
                              .spindle_speed = tag.spindle_speed,
                              .change = change};
-  if (!link_.push(segment))
+  if (!send_waiting() || !link_.push(segment))
     return fail(ErrorCode::internal_error, "The link's queue is full; wants_more() was not asked.");
   history_[next.id % kHistory] = next;
   last_id_ = newest_id_ = next.id;
@@ -223,8 +268,8 @@ Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Se
 
 std::size_t MotionFeed::under_way() const {
   const std::uint64_t last = sent(last_id_).ordinal;
-  const Sent& executing = sent(status_.board.executing_id);
-  const bool known = executing.id == status_.board.executing_id && executing.ordinal <= last;
+  const Sent& executing = sent(executing_id_);
+  const bool known = executing.id == executing_id_ && executing.ordinal <= last;
   return known ? static_cast<std::size_t>(last - executing.ordinal) : 0;
 }
 
@@ -243,7 +288,7 @@ std::size_t MotionFeed::replaceable() {
     if (last->tag.spindle_speed != 0.0) return 0;
     const Sent& before = sent(last->before);
     if (before.ordinal == last->ordinal) continue;
-    const bool in_time = !stops && before.end_time >= reached;
+    const bool in_time = !stops && has_room() && before.end_time >= reached;
     if (in_time || last->id > cut_.board_end) ++result;
     --count;
   }
@@ -258,11 +303,11 @@ void MotionFeed::commit_cut() {
 }
 
 void MotionFeed::begin_cut(std::size_t count) {
-  std::uint32_t id = last_id_;
+  Id id = last_id_;
   const std::uint64_t kept = sent(id).ordinal - count;
   std::size_t told = 0;
   for (; sent(id).ordinal > kept || id > cut_.board_end; id = sent(id).before) ++told;
-  link_.begin_cut(id);
+  link_.begin_cut(static_cast<std::uint32_t>(id));
   cut_ = {link_.pushed(), id, last_id_, CutAnswer::pending, cut_.board_end};
   go_on_behind(id);
   if (cut_listener_) cut_listener_(told);
@@ -280,7 +325,8 @@ CutAnswer MotionFeed::cut_answer() {
   if (late) revoke_cut();
   // What was sent with a late cut has higher numbers, and the board dropped it.
   cut_.board_end =
-      late ? std::min(cut_.board_end, std::max(status_.given_before_cut, cut_.kept_id)) : kAnyId;
+      late ? std::min(cut_.board_end, std::max(id_of(status_.given_before_cut), cut_.kept_id))
+           : kAnyId;
   return cut_.answer;
 }
 
@@ -288,18 +334,17 @@ CutAnswer MotionFeed::cut_answer() {
 void MotionFeed::revoke_cut() {
   if (cut_listener_) {
     std::size_t told = 0;
-    for (std::uint32_t id = last_id_; id != cut_.kept_id; id = sent(id).before) ++told;
+    for (Id id = last_id_; id != cut_.kept_id; id = sent(id).before) ++told;
     cut_listener_(told);
     std::vector<const Sent*> again;
-    for (std::uint32_t id = cut_.last_id; id != cut_.kept_id; id = sent(id).before)
-      again.push_back(&sent(id));
+    for (Id id = cut_.last_id; id != cut_.kept_id; id = sent(id).before) again.push_back(&sent(id));
     for (auto it = again.rbegin(); listener_ && it != again.rend(); ++it)
       listener_({(*it)->duration, (*it)->end, (*it)->end_velocity, (*it)->feed_limit, (*it)->tag});
   }
   go_on_behind(cut_.last_id);
 }
 
-void MotionFeed::go_on_behind(std::uint32_t id) {
+void MotionFeed::go_on_behind(Id id) {
   last_id_ = id;
   commanded_ = sent(id).end;
   check_.restart(commanded_, sent(id).end_velocity);
@@ -320,16 +365,9 @@ Position MotionFeed::fastest_under_way() const {
 }
 
 double MotionFeed::executed_time() const {
-  const std::uint32_t id = status_.board.executing_id;
-  const Sent& entry = sent(id);
-  if (id == 0 || entry.id != id) return 0.0;
+  const Sent& entry = sent(executing_id_);
+  if (executing_id_ == 0 || entry.id != executing_id_) return 0.0;
   return entry.end_time - (1.0 - status_.board.executing_phase) * entry.duration;
-}
-
-bool MotionFeed::executed(std::uint32_t id) const {
-  if (id <= void_id_) return true;
-  const hal::ControllerStatus& board = status_.board;
-  return board.executing_id > id || (board.executing_id == id && board.executing_phase >= 1.0);
 }
 
 bool MotionFeed::at_rest() const {
@@ -339,8 +377,8 @@ bool MotionFeed::at_rest() const {
 
 Executing MotionFeed::executing() const {
   const hal::ControllerStatus& board = status_.board;
-  const Sent& entry = sent(board.executing_id);
-  if (board.executing_id == 0 || entry.id != board.executing_id || !board.moving) return {};
+  const Sent& entry = sent(executing_id_);
+  if (executing_id_ == 0 || entry.id != executing_id_ || !board.moving) return {};
   const Position change = entry.end_velocity - entry.start_velocity;
   return {entry.tag, entry.feed_limit, entry.start_velocity + change * board.executing_phase};
 }
@@ -349,15 +387,15 @@ Executing MotionFeed::executing() const {
 /// has slipped. A segment that waits for the spindle moves nothing yet.
 AxisArray<bool> MotionFeed::axes_in_motion() const {
   const hal::ControllerStatus& board = status_.board;
-  if (board.executing_id == 0 || sent(board.executing_id).id != board.executing_id) return {};
+  if (executing_id_ == 0 || sent(executing_id_).id != executing_id_) return {};
   const bool has_begun = board.executing_phase > 0.0;
-  const Sent& entry = has_begun ? sent(board.executing_id) : sent(sent(board.executing_id).before);
+  const Sent& entry = has_begun ? sent(executing_id_) : sent(sent(executing_id_).before);
   AxisArray<bool> motors;
   const bool in_its_middle = has_begun && board.executing_phase < 1.0;
   if (in_its_middle && entry.id > stopped_id_) motors = entry.moves;
   for (const Axis motor : kAllAxes) motors[motor] |= entry.motor_velocity[motor] != 0.0;
   const double settled = executed_time() + std::max(board.time - moved_at_, 0.0) - kSettling;
-  for (std::uint32_t id = entry.id; id != 0 && sent(id).id == id && sent(id).end_time > settled;
+  for (Id id = entry.id; id != 0 && sent(id).id == id && sent(id).end_time > settled;
        id = sent(id).before)
     for (const Axis motor : kAllAxes) motors[motor] |= sent(id).moves[motor];
   return axes_of(motors);
@@ -375,8 +413,8 @@ AxisArray<bool> MotionFeed::axes_under_way() const {
 }
 
 /// Of what the board has not begun, as far as it was heard.
-void MotionFeed::add_moves_up_to(std::uint32_t id, AxisArray<bool>& motors) const {
-  const std::uint32_t reached = std::max(status_.board.executing_id, void_id_);
+void MotionFeed::add_moves_up_to(Id id, AxisArray<bool>& motors) const {
+  const Id reached = std::max(executing_id_, void_id_);
   for (; id > reached && sent(id).id == id; id = sent(id).before)
     for (const Axis motor : kAllAxes) motors[motor] = motors[motor] || sent(id).moves[motor];
 }
@@ -390,6 +428,9 @@ AxisArray<bool> MotionFeed::axes_of(const AxisArray<bool>& motors) const {
 
 void MotionFeed::quick_stop() {
   link_.quick_stop();
+  std::erase_if(waiting_, [](const LinkItem& item) {
+    return !std::holds_alternative<ClearFaults>(item) && !std::holds_alternative<JoinSession>(item);
+  });
   cut_ = {};
   position_unknown_ = true;
 }
@@ -399,8 +440,8 @@ void MotionFeed::accept_board_position() {
   compensation_.restore(state_of_board());
   accept_motors(motors_);
   // What was under way and did not come to its end is over now; the next segment starts at rest.
-  Sent& executing = history_[status_.board.executing_id % kHistory];
-  const bool is_known = executing.id == status_.board.executing_id;
+  Sent& executing = history_[executing_id_ % kHistory];
+  const bool is_known = executing.id == executing_id_;
   if (is_known) {
     executing.end_time = executed_time();
     executing.duration = 0.0;
@@ -444,7 +485,7 @@ void MotionFeed::set_position(Axis axis, double position) {
     item.axes[motor] = true;
     item.position[motor] = motors[motor] = there[motor];
   }
-  link_.push(item);
+  send(item);
   void_id_ = newest_id_;
   accept_motors(motors);
 }

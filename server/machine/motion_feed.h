@@ -4,11 +4,13 @@
 // (motion::Compensation), checks the sum against the limits of the motors, and numbers the
 // segments. Knows how many seconds of motion are under way and which move the board executes just
 // now. What is under way and not begun can be replaced: numbers go on, so that each of them means
-// one segment for ever. All positions here, those of the board's status included, are the
-// machine's; only the link and what is behind it count motors. Executor thread only.
+// one segment for ever. The board is told their lower halves, which go round. All positions here,
+// those of the board's status included, are the machine's; only the link and what is behind it
+// count motors. Executor thread only.
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <limits>
 #include <utility>
@@ -34,6 +36,9 @@ enum class CutAnswer : std::uint8_t { none, pending, taken, late };
 
 class MotionFeed {
  public:
+  /// Of a segment: for ever, from 1. The board is told the lower half; where that would be 0, which
+  /// says "none" there, a number is left out.
+  using Id = std::uint64_t;
   /// A steady clock in seconds: what computing takes. Without one, as in virtual time, it takes
   /// none.
   using Clock = std::function<double()>;
@@ -62,9 +67,9 @@ class MotionFeed {
   [[nodiscard]] std::size_t under_way() const;
   /// Those of them that a cut would replace in time: all behind the first one that ends later than
   /// a cut needs to reach the board, and as much later as the last one took from here to
-  /// commit_cut(). None while the path follows the spindle, or the board stops along it. Behind a
-  /// late cut these are in any case the segments that the board never had: the link has dropped
-  /// them. Reads the newest status.
+  /// commit_cut(). None while the path follows the spindle, or the board stops along it, or the
+  /// link has no room for new ones. Behind a late cut these are in any case the segments that the
+  /// board never had: the link has dropped them. Reads the newest status.
   [[nodiscard]] std::size_t replaceable();
   /// The last `count` segments are void, commanded() is where the one before them ends, and what is
   /// emitted until commit_cut() travels with the cut. Not while an answer is pending.
@@ -78,7 +83,9 @@ class MotionFeed {
   [[nodiscard]] const Position& end_acceleration() const { return sent(last_id_).end_acceleration; }
 
   /// The board has answered everything that was sent.
-  [[nodiscard]] bool all_told() const { return status_.items_done == link_.pushed(); }
+  [[nodiscard]] bool all_told() const {
+    return waiting_.empty() && status_.items_done == link_.pushed();
+  }
   /// Everything emitted and every command sent has been executed, and the machine stands.
   [[nodiscard]] bool at_rest() const;
   /// A quick stop is under way: where the machine will stand is not known yet.
@@ -94,15 +101,15 @@ class MotionFeed {
   [[nodiscard]] AxisArray<bool> axes_of(const AxisArray<bool>& motors) const;
   /// Id of the last segment emitted that is not void, and whether the board has finished the
   /// segment `id`.
-  [[nodiscard]] std::uint32_t last_id() const { return last_id_; }
-  [[nodiscard]] bool executed(std::uint32_t id) const;
+  [[nodiscard]] Id last_id() const { return last_id_; }
+  [[nodiscard]] bool executed(Id id) const {
+    return is_past(id) || (executing_id_ == id && status_.board.executing_phase >= 1.0);
+  }
   /// Id of the segment that the next setpoint becomes, or begins with, and whether the board has
   /// begun the segment `id`. One that waits for the spindle has not.
-  [[nodiscard]] std::uint32_t next_id() const { return newest_id_ + 1; }
-  [[nodiscard]] bool begun(std::uint32_t id) const {
-    const hal::ControllerStatus& board = status_.board;
-    return id <= void_id_ || board.executing_id > id ||
-           (board.executing_id == id && board.executing_phase > 0.0);
+  [[nodiscard]] Id next_id() const;
+  [[nodiscard]] bool begun(Id id) const {
+    return is_past(id) || (executing_id_ == id && status_.board.executing_phase > 0.0);
   }
 
   /// Where the last setpoint ended: the start of the next.
@@ -113,9 +120,11 @@ class MotionFeed {
   Result<void> use_surface(std::shared_ptr<const motion::HeightSurface> surface);
   [[nodiscard]] const motion::HeightSurface* surface() const { return compensation_.surface(); }
 
-  void send(const LinkItem& item) { link_.push(item); }
-  /// What is sent from now on is meant for the board as it is in the present session.
-  void join_session() { link_.push(JoinSession{status_.board.sessions}); }
+  /// Behind everything sent before; where the link has no room for it, in one of the next cycles.
+  void send(const LinkItem& item);
+  /// What is sent from now on is meant for the board as it is in the present session. Segments are
+  /// numbered on behind what another host may have given it.
+  void join_session();
   /// Is called with every setpoint that leaves.
   void set_listener(std::function<void(const motion::Setpoint&)> listener) {
     listener_ = std::move(listener);
@@ -141,11 +150,11 @@ class MotionFeed {
   void set_position(Axis axis, double position);
 
  private:
-  static constexpr std::uint32_t kAnyId = std::numeric_limits<std::uint32_t>::max();
+  static constexpr Id kAnyId = std::numeric_limits<Id>::max();
 
   struct Sent {
-    std::uint32_t id = 0;
-    std::uint32_t before = 0;   // id of the segment from whose end it goes on
+    Id id = 0;
+    Id before = 0;              // id of the segment from whose end it goes on
     std::uint64_t ordinal = 0;  // of the setpoint; settling segments have that of the one before
     double end_time = 0.0;      // on the time line of everything emitted
     double duration = 0.0;
@@ -165,18 +174,22 @@ class MotionFeed {
 
   struct Cut {
     std::uint64_t item = 0;  // of the link
-    std::uint32_t kept_id = 0;
-    std::uint32_t last_id = 0;  // before it
+    Id kept_id = 0;
+    Id last_id = 0;  // before it
     CutAnswer answer = CutAnswer::none;
-    std::uint32_t board_end = kAnyId;  // behind late ones: the board has the path up to here
+    Id board_end = kAnyId;  // behind late ones: the board has the path up to here
   };
 
-  [[nodiscard]] const Sent& sent(std::uint32_t id) const { return history_[id % kHistory]; }
+  [[nodiscard]] const Sent& sent(Id id) const { return history_[id % kHistory]; }
+  [[nodiscard]] Id id_of(std::uint32_t number) const;
+  [[nodiscard]] bool is_past(Id id) const { return id <= void_id_ || executing_id_ > id; }
   [[nodiscard]] double executed_time() const;
   [[nodiscard]] Position fastest_under_way() const;
-  void add_moves_up_to(std::uint32_t id, AxisArray<bool>& motors) const;
+  void add_moves_up_to(Id id, AxisArray<bool>& motors) const;
+  [[nodiscard]] bool has_room() const;
+  bool send_waiting();
   void revoke_cut();
-  void go_on_behind(std::uint32_t id);
+  void go_on_behind(Id id);
   [[nodiscard]] const motion::Compensation::State& state_of_board() const;
   Result<void> push(const motion::Setpoint& setpoint, const motion::Setpoint& motors,
                     std::uint64_t ordinal, const hal::OutputChange& change = {});
@@ -196,14 +209,16 @@ class MotionFeed {
   std::function<void(const motion::Setpoint&)> motor_listener_;
   std::function<void(const Position&)> restart_listener_;
   LinkStatus status_;
+  Id executing_id_ = 0;  // of its board, if the segment is one of ours
+  std::deque<LinkItem> waiting_;
   std::vector<Sent> history_ = std::vector<Sent>(kHistory);
-  std::uint32_t newest_id_ = 0;  // the next segment has one more
-  std::uint32_t last_id_ = 0;    // of those that are not void
+  Id newest_id_ = 0;  // the next segment has the next
+  Id last_id_ = 0;    // of those that are not void
   Cut cut_;
-  double patience_ = 1.0;      // factor of the time that a cut gets: more after a late one
-  double asked_at_ = 0.0;      // by the clock: replaceable()
-  double replanning_ = 0.0;    // s, from there to commit_cut(), of the last cuts
-  std::uint32_t void_id_ = 0;  // up to here nothing is executed any more
+  double patience_ = 1.0;    // factor of the time that a cut gets: more after a late one
+  double asked_at_ = 0.0;    // by the clock: replaceable()
+  double replanning_ = 0.0;  // s, from there to commit_cut(), of the last cuts
+  Id void_id_ = 0;           // up to here nothing is executed any more
   motion::Compensation::State void_state_;  // of the machine that stands there
   Position commanded_;
   Position fastest_;               // speeds of the axes in what is under way, at the most
@@ -211,7 +226,7 @@ class MotionFeed {
   hal::EventLatch index_latch_;    // the newest that has been translated
   hal::EventLatch estop_latch_;    // likewise
   double moved_at_ = 0.0;          // board time at which it was last seen in motion
-  std::uint32_t stopped_id_ = 0;   // up to here any stop has been accepted
+  Id stopped_id_ = 0;              // up to here any stop has been accepted
   bool position_unknown_ = false;  // a quick stop is under way
 };
 

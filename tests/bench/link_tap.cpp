@@ -75,8 +75,8 @@ void LinkTap::from_board(std::span<const std::uint8_t> packet) {
   wire::StatusNumbers numbers;
   hal::cpu5::firmware::Status status;
   if (!wire::get_status(received->body, numbers, status)) return;
-  if (wire::is_newer(cut_frame_, numbers.executed)) return;
-  if (!status.cut_late && !wire::is_newer(status.executing_id, behind_)) return;
+  if (hal::is_newer(cut_frame_, numbers.executed)) return;
+  if (!status.cut_late && !hal::is_newer(status.executing_id, behind_)) return;
   behind_ = 0;
   if (status.cut_late) return;  // the server cuts again
   last_cut_.store(Clock::now().time_since_epoch().count(), std::memory_order_release);

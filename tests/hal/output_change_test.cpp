@@ -366,3 +366,55 @@ TEST_CASE("A change leads from outputs to others, where it can hold what differs
   CHECK_FALSE(change_between(off, two));
   CHECK_FALSE(change_between(off, {.drives_enabled = true}));
 }
+
+namespace cnc::hal::sim {
+
+TEST_CASE("Changes of one exchange go out together where that switches nothing to and fro",
+          "[hal][LNK-9]") {
+  const auto controller = make_virtual_controller(small_machine());
+  REQUIRE(controller->connect());
+  const auto switched = [&] { return controller->exchange(0.1).outputs; };
+  controller->exchange(0.0);
+  SECTION("the newest of many values of PWM is the one") {
+    for (int i = 1; i <= 100; ++i) {
+      REQUIRE(controller->change_outputs({.spindle_on = true, .spindle_pwm = 0.005 * i}));
+      REQUIRE(controller->change_outputs({.pwm = OutputChange::Pwm{3, 0.0025 * i}}));
+    }
+    const Outputs outputs = switched();
+    CHECK(outputs.spindle_on);
+    CHECK(outputs.spindle_pwm == 0.5);
+    CHECK(outputs.pwm[3] == 0.25);
+  }
+  SECTION("different outputs") {
+    REQUIRE(controller->change_outputs({.flood = true}));
+    REQUIRE(controller->change_outputs({.mist = true, .port = OutputChange::Port{4, true}}));
+    const Outputs outputs = switched();
+    CHECK(outputs.flood);
+    CHECK(outputs.mist);
+    CHECK(outputs.ports[4]);
+  }
+  SECTION("a pulse is none") {
+    const auto [on, off] = GENERATE(table<OutputChange, OutputChange>({
+        {{.spindle_on = true}, {.spindle_on = false}},
+        {{.tool_direction = true}, {.tool_direction = false}},
+        {{.mist = true}, {.mist = false}},
+        {{.flood = true}, {.flood = false}},
+        {{.port = OutputChange::Port{4, true}}, {.port = OutputChange::Port{4, false}}},
+    }));
+    REQUIRE(controller->change_outputs(on));
+    CHECK_FALSE(controller->change_outputs(off));
+    Outputs expected;
+    on.apply_to(expected);
+    CHECK(switched() == expected);
+    CHECK(controller->change_outputs(off));
+    CHECK(switched() == Outputs{});
+  }
+  SECTION("there is room for one port and one PWM only") {
+    REQUIRE(controller->change_outputs({.port = OutputChange::Port{4, true}}));
+    CHECK_FALSE(controller->change_outputs({.port = OutputChange::Port{5, true}}));
+    REQUIRE(controller->change_outputs({.pwm = OutputChange::Pwm{1, 0.5}}));
+    CHECK_FALSE(controller->change_outputs({.pwm = OutputChange::Pwm{2, 0.5}}));
+  }
+}
+
+}  // namespace cnc::hal::sim

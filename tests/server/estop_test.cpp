@@ -54,6 +54,25 @@ TEST_CASE("Emergency stop stops, switches everything off and ends the job", "[ST
   CHECK(rig.simulation.virtual_machine().physical_position() == stands);
 }
 
+TEST_CASE("Where the axes were when the estop came and at the spindle's last pulse is shown",
+          "[LNK-6][STA-4]") {
+  HomedRig rig;
+  start_cut(rig);
+  rig.run_for(1.0);
+  CHECK(rig.shown()->latches.estop.count == 0);
+  const double from = rig.position()[Axis::X];
+  press(rig);
+  const LatchSnapshot latches = rig.shown()->latches;
+  CHECK(latches.estop.count == 1);
+  CHECK(latches.estop.position == rig.position());
+  CHECK(latches.board_time - latches.estop.time < 0.1);
+  // 200 turns a second: the last of them was at most 5 ms before, 0.1 mm at 20 mm/s.
+  CHECK(latches.spindle_index.count > 100);
+  CHECK(latches.estop.time - latches.spindle_index.time < 0.0051);
+  CHECK(latches.spindle_index.position[Axis::X] >= from - 0.1);
+  CHECK(latches.estop.position[Axis::X] - latches.spindle_index.position[Axis::X] < 0.11);
+}
+
 TEST_CASE("Axes that the emergency stop caught in motion have to be homed again",
           "[STA-4][safety]") {
   HomedRig rig;

@@ -121,6 +121,22 @@ TEST_CASE(
   CHECK(f.link.status().items_done == f.link.pushed());
 }
 
+TEST_CASE("A cut replaces what is behind it where the numbers go round too", "[LNK-8][JOB-8]") {
+  Fixture f;
+  f.recording.room = 1;
+  f.push_segments(0xFFFF'FFFEU, 0xFFFF'FFFEU);
+  REQUIRE(f.link.push(hal::Segment{.id = 0xFFFF'FFFFU, .duration = 0.005}));
+  f.push_segments(1, 2);
+  f.link.cycle(0.0);
+  REQUIRE(f.link.begin_cut(0xFFFF'FFFEU));
+  f.push_segments(3, 3);
+  f.link.commit_cut();
+  f.link.cycle(0.002);
+  f.recording.room = 10;
+  f.link.cycle(0.004);
+  CHECK(f.recording.calls == Calls{"segment 4294967294", "cut behind 4294967294", "segment 3"});
+}
+
 TEST_CASE("Behind a segment that a cut has dropped the board gets none of the old path",
           "[LNK-8][JOB-8][safety]") {
   Fixture f;

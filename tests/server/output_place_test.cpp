@@ -275,3 +275,15 @@ TEST_CASE("Overrides of the spindle's speed hold from their place, for the S wor
     CHECK(switched == row.expected);
   }
 }
+
+TEST_CASE("Of overrides of the spindle's speed in quick succession the newest is there at once",
+          "[MAN-8][SPN-1]") {
+  WatchedRig rig(0.002);
+  rig.start("M3 S10000\nG1 X100 F600\n");
+  REQUIRE(rig.becomes([&] { return rig.shown()->velocity[Axis::X] != 0.0; }));
+  for (int percent = 51; percent <= 90; ++percent)
+    REQUIRE(rig.machine.set_overrides({1.0, 1.0, 0.01 * percent}));
+  rig.run_for(0.01);
+  const double part = 0.9 * 10'000.0 / rig.machine.config().spindle.max_speed;
+  CHECK(rig.outputs().spindle_pwm == Approx(part * kFullPwm).margin(1.0));
+}

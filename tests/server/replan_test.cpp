@@ -66,6 +66,22 @@ struct FastRig : ReadyRig {
   }
 };
 
+/// A board that executes a segment with such a number for somebody else: the machine goes on behind
+/// it.
+void number_on_behind(Rig& rig, std::uint32_t number) {
+  hal::sim::VirtualController& board = rig.simulation.virtual_controller();
+  const hal::Segment standing{
+      .id = number, .duration = 0.001, .position = rig.simulation.link().status().board.position};
+  REQUIRE(board.push({&standing, 1}) == 1);
+  rig.run_for(0.1);
+  board.trouble().cable_out = true;
+  REQUIRE(rig.becomes(State::off, 2.0));
+  board.trouble().cable_out = false;
+  REQUIRE(rig.becomes(State::error, 5.0));
+  REQUIRE(rig.reset());
+  REQUIRE(rig.simulation.link().status().board.executing_id == number);
+}
+
 /// From the last status that the machine had seen when it was asked, to where the new path begins:
 /// the request came after that.
 double latency(const RecordedMotion& motion, double request) {
@@ -412,4 +428,36 @@ TEST_CASE("A FIFO of two seconds of tiny moves is replaced like a short one", "[
   CHECK(motion.end() == reference.end());
   // A setpoint joins several of these moves and meets the path to 1 nm where they end.
   CHECK(motion.distance_from(reference) < 1e-5);
+}
+
+TEST_CASE("Holds, cuts and notes are the same where the segments' numbers go round",
+          "[LNK-8][JOB-8]") {
+  // X and Y run for more than a second, in segments of 5 ms: 50 of them are under way.
+  const char* program =
+      "G1 X10 F2000\nM8\nG1 X20\nM9\nG64 P0.1\nG1 X30 Y5\nX20 Y10\nX10 Y5\nX0 Y0\n";
+  Reference reference(program);
+  const double flooded = reference.rig.simulation.virtual_machine().flood_time();
+  REQUIRE(flooded > 0.1);
+  for (const std::uint32_t left : {0U, 1U, 30U, 60U, 100U, 130U, 200U, 260U}) {
+    CAPTURE(left);
+    FastRig rig;
+    number_on_behind(rig, 0xFFFF'FFFFU - left);
+    RecordedMotion motion(rig);
+    rig.start_and_run(motion, program, 0.5);
+    REQUIRE(rig.pause());
+    CHECK(motion.cuts() == 1);
+    REQUIRE(rig.machine.resume());
+    REQUIRE(rig.becomes([&] { return rig.state() == State::running; }));
+    rig.run_for(0.2);
+    REQUIRE(rig.machine.set_overrides({0.5, 1.0, 1.0}));
+    REQUIRE(rig.machine.set_overrides({1.0, 1.0, 1.0}));
+    rig.run_to_end();
+    CHECK(rig.simulation.link().status().board.executing_id < 2000);
+    CHECK(rig.shown()->job.ended_well);
+    rig.require_well(motion);
+    CHECK(motion.end() == reference.motion.end());
+    CHECK(motion.distance_from(reference.motion) < kSamePath);
+    CHECK(rig.simulation.virtual_machine().flood_time() > 0.9 * flooded);
+    CHECK_FALSE(rig.simulation.virtual_machine().outputs().flood);
+  }
 }

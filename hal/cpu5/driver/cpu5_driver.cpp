@@ -287,11 +287,13 @@ void Cpu5Driver::set_outputs(const Outputs& outputs) {
 }
 
 bool Cpu5Driver::change_outputs(const OutputChange& change) {
-  if (!asked().change.empty()) return false;
   if (asked().has_outputs) {
     firmware::apply(cpu5::to_board(change), asked().outputs);
   } else {
-    asked().change = cpu5::to_board(change);
+    if (asked().change.empty()) change_ = {};
+    if (!change_.can_add(change)) return false;
+    change_.add(change);
+    asked().change = cpu5::to_board(change_);
   }
   has_requests_ = true;
   return true;

@@ -109,6 +109,7 @@ class Cpu5Driver : public Controller {
   // What goes out with the next exchange: the first frame has the requests, all have segments.
   std::array<firmware::HostFrame, kOutbox> outbox_;
   std::size_t outbox_count_ = 1;
+  OutputChange change_{};  // that goes out with it
   bool has_requests_ = false;
   std::array<OnItsWay, kMostOnTheirWay> on_their_way_;  // by number
   firmware::Status board_;                              // as last heard

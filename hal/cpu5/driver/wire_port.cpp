@@ -299,7 +299,7 @@ bool WirePort::take(PacketType type, ByteReader& body) {
 bool WirePort::take_status(ByteReader& body) {
   wire::StatusNumbers numbers;
   const bool taken = state_ == State::running && wire::get_status(body, numbers, status_) &&
-                     wire::is_newer(numbers.answer, newest_answer_) &&
+                     is_newer(numbers.answer, newest_answer_) &&
                      numbers.executed - executed_ <= on_their_way();
   if (!taken) return false;
   if (!answer_.connected) {

@@ -118,7 +118,7 @@ wire::Identity BoardLink::identity() const {
 
 /// What was sent before it and comes after it moves and switches nothing any more.
 void BoardLink::take_stop(std::uint32_t stops) {
-  if (!wire::is_newer(stops, stops_)) return;
+  if (!is_newer(stops, stops_)) return;
   stops_ = stops;
   core_.quick_stop();
 }

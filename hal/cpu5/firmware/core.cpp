@@ -2,6 +2,7 @@
 
 #include <utility>
 
+#include "hal/counting_round.h"
 #include "hal/cpu5/firmware/pulse_shaper.h"
 
 namespace cnc::hal::cpu5::firmware {
@@ -10,8 +11,6 @@ namespace {
 constexpr bool within(std::int64_t value, std::int64_t limit) {
   return -limit <= value && value <= limit;
 }
-
-constexpr std::uint32_t id_after(std::uint32_t id) { return id + 1 == 0 ? 1 : id + 1; }
 
 // The tests come in this order because each makes the arithmetic of the next one safe. Velocity is
 // a parabola between its ends and a third value, m (hermite.cpp): where that is no higher than the

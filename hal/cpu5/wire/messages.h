@@ -5,6 +5,7 @@
 // (positions, speeds) are the core's part.
 #pragma once
 
+#include "hal/counting_round.h"
 #include "hal/cpu5/firmware/host_frame.h"
 #include "hal/cpu5/wire/packet.h"
 
@@ -39,11 +40,6 @@ struct Refusal {
   std::uint8_t highest_version = kVersion;
   std::uint32_t boot = 0;
 };
-
-/// Numbers count round; `a` is newer if it is less than half the circle ahead.
-[[nodiscard]] constexpr bool is_newer(std::uint32_t a, std::uint32_t b) {
-  return a != b && a - b < (std::uint32_t{1} << 31);
-}
 
 /// In front of a frame's requests, and all that a poll has. More `stops` than the board knows of
 /// are a quick stop as soon as the packet arrives, whatever frames are missing.
