@@ -15,9 +15,9 @@ constexpr std::string_view kHelp =
     R"(motion_soak [segments=N] [seed=N] [jerk=N]
 
 Drives random programs until so many moves are done, and judges the cubics that a controller would
-execute: velocity, acceleration and jerk of every axis over their limits, and the largest distance between
-path and program over what P and Q allow, globally and both ways; on exact paths over 0.2 µm. Prints
-the worst of each, and the first program that fails, made as small as possible; then it returns 1.
+execute: velocity, acceleration and jerk of every axis over their limits, the speed over the feed
+and its override, and the largest distance between path and program over what P and Q allow,
+globally and both ways; on exact paths over 0.2 µm. Prints the worst of each, and the first program that fails, made as small as possible; then it returns 1.
 
   segments=100000   moves in all
   seed=1            of the first program; each next one has the next
@@ -30,6 +30,7 @@ void include(Verdict& worst, const Verdict& verdict) {
   worst.velocity = std::max(worst.velocity, verdict.velocity);
   worst.acceleration = std::max(worst.acceleration, verdict.acceleration);
   worst.jerk = std::max(worst.jerk, verdict.jerk);
+  worst.feed = std::max(worst.feed, verdict.feed);
   worst.path_to_program = std::max(worst.path_to_program, verdict.path_to_program);
   worst.program_to_path = std::max(worst.program_to_path, verdict.program_to_path);
   worst.time += verdict.time;

@@ -131,7 +131,7 @@ double largest_distance(const Polyline& from, const Polyline& to) {
 void LimitJudge::take(const Setpoint& setpoint) {
   // The last digits of a position, seen over the square of a very short duration.
   const double rounding = 6.0 * 4e-15 / (setpoint.duration * setpoint.duration);
-  double speed = 0.0;
+  double square = 0.0;
   for (const Axis axis : kAllAxes) {
     const auto cubic = cubic_of(axis, position, velocity, setpoint);
     const double a =
@@ -147,10 +147,11 @@ void LimitJudge::take(const Setpoint& setpoint) {
     const double leap = std::abs(cubic.start_acceleration() - acceleration[axis]);
     leap_ratio = std::max(leap_ratio, leap / limits.max_acceleration[axis]);
     acceleration[axis] = cubic.end_acceleration();
-    if (!is_rotary(axis)) speed += setpoint.velocity[axis] * setpoint.velocity[axis];
+    if (!is_rotary(axis)) square += setpoint.velocity[axis] * setpoint.velocity[axis];
   }
-  if (setpoint.feed_limit > 0.0) {
-    feed_ratio = std::max(feed_ratio, std::sqrt(speed) / setpoint.feed_limit);
+  if (square == 0.0) highest_override = feed_override;
+  if (setpoint.feed_limit > 0.0 && square > 0.0) {
+    feed_ratio = std::max(feed_ratio, std::sqrt(square) / (setpoint.feed_limit * highest_override));
   }
   time += setpoint.duration;
   shortest = std::min(shortest, setpoint.duration);

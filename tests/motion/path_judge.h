@@ -2,6 +2,7 @@
 // was programmed and what was driven, globally and both ways.
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -66,11 +67,19 @@ struct LimitJudge {
   double acceleration_ratio = 0.0;
   double jerk_ratio = 0.0;  ///< where jerk is limited
   double leap_ratio = 0.0;  ///< of acceleration from one setpoint to the next, of its limit
-  double feed_ratio = 0.0;
+  double feed_ratio = 0.0;  ///< of the linear axes, at the ends of setpoints
   double shortest = 1.0;    ///< setpoint, s
   Position acceleration{};  ///< at the end of the last setpoint
+  double feed_override = 1.0;
+  /// The highest since the machine last stood: how soon a path can follow a lower one is not
+  /// judged.
+  double highest_override = 1.0;
 
   void take(const Setpoint& setpoint);
+  void set_feed_override(double factor) {
+    feed_override = factor;
+    highest_override = std::max(highest_override, factor);
+  }
 };
 
 }  // namespace cnc::motion::test

@@ -42,10 +42,10 @@ class Drive {
       act(step);
       add(step);
       while (planner_.full() && verdict_.fault.empty()) {
-        if (!draw(Supply::coming)) planner_.set_overrides(1.0, 1.0);
+        if (!draw(Supply::coming)) set_overrides(1.0, 1.0);
       }
     }
-    planner_.set_overrides(1.0, 1.0);
+    set_overrides(1.0, 1.0);
     while (draw(Supply::ended)) continue;
     return finish();
   }
@@ -72,7 +72,7 @@ class Drive {
       if (!draw(Supply::ended)) break;
     }
     if (step.event == Event::overrides) {
-      planner_.set_overrides(step.feed_override, step.rapid_override);
+      set_overrides(step.feed_override, step.rapid_override);
     } else if (step.event == Event::hold) {
       planner_.hold();
       while (draw(Supply::coming)) continue;
@@ -80,7 +80,17 @@ class Drive {
     }
   }
 
+  void set_overrides(double feed, double rapid) {
+    planner_.set_overrides(feed, rapid);
+    judge_.set_feed_override(feed);
+  }
+
   void add(const ProgramStep& step) {
+    add_move(step);
+    vertices_.push_back(point_of(planner_.queue_end()));
+  }
+
+  void add_move(const ProgramStep& step) {
     const Position start = planner_.queue_end();
     MoveOptions options = step.options;
     options.tag.id = index_;
@@ -134,8 +144,30 @@ class Drive {
       return false;
     }
     follow(*setpoint);
-    judge_.take(*setpoint);
+    Setpoint judged = *setpoint;
+    judged.feed_limit = feed_near(*setpoint);
+    judge_.take(judged);
     return true;
+  }
+
+  /// Where one move becomes the next is known to within the tube only: the highest feed of the
+  /// moves that begin or end so near counts; 0, no limit, where one of them is a rapid.
+  [[nodiscard]] double feed_near(const Setpoint& setpoint) const {
+    const Point here = point_of(setpoint.position);
+    const auto is_near = [&](std::size_t vertex) {
+      const double reach = 3.0 * allowed_by(program_.steps[vertex].options);
+      return distance_to_segment(here, vertices_[vertex], vertices_[vertex]) <= reach;
+    };
+    std::size_t first = setpoint.tag.id;
+    std::size_t last = first;
+    while (first > 0 && is_near(first)) --first;
+    while (last + 1 < vertices_.size() - 1 && is_near(last + 1)) ++last;
+    double highest = 0.0;
+    for (std::size_t i = first; i <= last; ++i) {
+      if (program_.steps[i].options.kind == MoveKind::rapid) return 0.0;
+      highest = std::max(highest, program_.steps[i].options.feed);
+    }
+    return highest;
   }
 
   /// The cubic as chords, so short that they leave it by little of what the moves here allow.
@@ -160,6 +192,8 @@ class Drive {
     verdict_.velocity = judge_.velocity_ratio;
     verdict_.acceleration = judge_.acceleration_ratio;
     verdict_.jerk = judge_.jerk_ratio;
+    verdict_.feed = judge_.feed_ratio;
+    verdict_.feed_may_wait = judge_.limits.limit_jerk();
     verdict_.time = judge_.time;
     verdict_.setpoints = judge_.setpoints;
     if (programmed_.points().size() > 1) measure_distances();
@@ -193,6 +227,7 @@ class Drive {
   Polyline programmed_;
   Polyline driven_;
   std::vector<Sample> samples_;
+  std::vector<Point> vertices_{Point{}};  // where each move begins, and the last one ends
   LimitJudge judge_;
   Verdict verdict_;
   std::size_t index_ = 0;
@@ -201,16 +236,17 @@ class Drive {
 }  // namespace
 
 bool Verdict::is_sound() const {
-  return velocity <= 1.0 + 1e-6 && acceleration <= 1.0 + 1e-4 && jerk <= 1.0 + 1e-4 &&
-         path_to_program <= 1.0 && program_to_path <= 1.0 && fault.empty();
+  return velocity <= 1.0 + 1e-6 && (feed <= 1.0 + 1e-6 || feed_may_wait) &&
+         acceleration <= 1.0 + 1e-4 && jerk <= 1.0 + 1e-4 && path_to_program <= 1.0 &&
+         program_to_path <= 1.0 && fault.empty();
 }
 
 std::string Verdict::to_string() const {
   return fmt::format(
-      "velocity {:.6f}, acceleration {:.6f}, jerk {:.6f}, path to program {:.4f}, "
+      "velocity {:.6f}, acceleration {:.6f}, jerk {:.6f}, feed {:.6f}, path to program {:.4f}, "
       "program to path {:.4f}{}{}",
-      velocity, acceleration, jerk, path_to_program, program_to_path, fault.empty() ? "" : "; ",
-      fault);
+      velocity, acceleration, jerk, feed, path_to_program, program_to_path,
+      fault.empty() ? "" : "; ", fault);
 }
 
 Verdict judge(const RandomProgram& program) { return judge(program, program.settings.limits); }

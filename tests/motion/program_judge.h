@@ -15,6 +15,10 @@ struct Verdict {
   double velocity = 0.0;  ///< largest of any axis at any instant
   double acceleration = 0.0;
   double jerk = 0.0;
+  /// The speed over the programmed one and the highest override since a standstill. With limits of
+  /// jerk it may be above 1: a path that has to slow down cannot do it at once.
+  double feed = 0.0;
+  bool feed_may_wait = false;
   double path_to_program = 0.0;  ///< distance over what the moves nearby allow, X Y Z
   double program_to_path = 0.0;
   std::string fault;  ///< what else is wrong, in words
