@@ -13,17 +13,29 @@ using Phase = MotionPlace::Phase;
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-/// Distances that are tried for a hold: from the one that a straight line needs, each so many times
-/// the one before; and rounds for each.
+/// What is tried for a hold, from the distance that a straight line needs. How far a trial that
+/// misses is above the limits tells how much longer the next one should be: 1 + kLongerByUsage
+/// times that, at most kMostLonger.
 constexpr int kTrials = 16;
-constexpr double kNextTrial = 1.15;
+constexpr double kFarAbove = 0.1;
+constexpr double kLongerByUsage = 0.8;
+constexpr double kMostLonger = 2.0;
+constexpr double kLonger = 1.15;
+/// One that is nearly within them, but for these first cells, begins to brake behind the one that
+/// is worst: there the plan in force is about the only one that there is, whatever comes behind.
+constexpr std::uint64_t kFirstCells = 8;
+constexpr double kLittleLonger = 1.07;
 /// And so much more, mm, or the way in so many seconds.
 constexpr double kMoreWay = 0.02;
 constexpr double kMoreTime = 0.005;
-constexpr int kFewRounds = 12;
-constexpr int kMostRounds = 22;
 
-/// Where the rounds begin: braking at so many times the moderate acceleration.
+/// Rounds for each: as many as bring it nearer to the limits, by so much of what is missing.
+constexpr int kFewRounds = 12;
+constexpr int kMostRounds = 30;
+constexpr double kNearer = 0.97;
+
+/// Where the rounds begin: as the plan in force, and braking at so many times the moderate
+/// acceleration.
 constexpr double kFirm = 1.8;
 constexpr double kGuessedStandstill = 0.3;
 constexpr double kGuessedSpeed = 0.9;
@@ -73,26 +85,38 @@ void JerkPlan::split_present_cell() {
   place_ = {place_.run, Phase::driving, index + 1, 0.0};
 }
 
-/// A hold is a plan to a stop early on the path: the shortest of a few distances for which there is
-/// one. It leaves no time to go on as before, so that braking begins at once.
+/// A hold is a plan to a stop early on the path: the first for which there is a plan, of trials
+/// that each learn from the last. It leaves no time to go on as before, so that braking begins at
+/// once.
 bool JerkPlan::plan_hold() {
   if (standing()) return true;
-  const auto first = first_free();
-  if (!first) return true;  // it stops within the next cell as it is
-  const PlannedCell& fixed = window_.cells[*first - 1];
-  const PathPlace begin =
-      cutter_.behind({fixed.cell.interval, fixed.cell.start}, fixed.cell.length);
-  const double until_stop = distance_to_stop(*first);
-  double distance = shortest_braking(*first);
-  for (int i = 0; i < kTrials && distance < until_stop; ++i, distance *= kNextTrial) {
-    cutter_.go_to(begin, fixed.cell.length);
-    cutter_.end_after(distance);
-    if (!try_to_stop(*first)) continue;
-    take_over_trial(*first);
-    return true;
+  const auto free = first_free();
+  if (!free) return true;  // it stops within the next cell as it is
+  std::uint64_t first = *free;
+  double longer = 1.0;
+  for (int i = 0; i < kTrials; ++i) {
+    const double distance = longer * shortest_braking(first);
+    if (first >= run().stop.cell || distance >= distance_to_stop(first)) {
+      drop_cells_behind_stop();
+      return true;
+    }
+    const Usage usage = try_to_stop(first, distance);
+    if (usage.part <= kUsageOfPlan) {
+      take_over_trial(first);
+      return true;
+    }
+    const double above = usage.part - 1.0;
+    if (above > kFarAbove) {
+      longer *= std::min(kMostLonger, 1.0 + kLongerByUsage * above);
+    } else if (const std::uint64_t ahead = usage.cell - trial_.cells.first(); ahead < kFirstCells) {
+      first += ahead + 1;
+      longer *= kLittleLonger;
+    } else {
+      longer *= kLonger;
+    }
   }
   drop_cells_behind_stop();
-  return distance >= until_stop;
+  return false;
 }
 
 double JerkPlan::distance_to_stop(std::uint64_t first) const {
@@ -113,13 +137,16 @@ double JerkPlan::shortest_braking(std::uint64_t first) const {
   return v * v / (2.0 * a) + v * (0.5 * a + w) / j + std::min(kMoreWay, kMoreTime * v);
 }
 
-/// A window of its own: the fixed cell before `first`, new cells up to the end of the cutter's
-/// path, and a guess. False when there is no room.
-bool JerkPlan::make_trial(std::uint64_t first) {
+/// A window of its own: the fixed cell before `first`, new cells up to a stop after `distance`, and
+/// a guess. False when there is no room.
+bool JerkPlan::make_trial(std::uint64_t first, double distance) {
   auto& cells = trial_.cells;
   cells.clear();
   trial_.begin_cell = cells.first();
   PlannedCell fixed = window_.cells[first - 1];
+  cutter_.go_to(cutter_.behind({fixed.cell.interval, fixed.cell.start}, fixed.cell.length),
+                fixed.cell.length);
+  cutter_.end_after(distance);
   const bool is_run_begin = first - 1 == run().begin && place_.phase == Phase::starting;
   if (!is_run_begin) fixed.knot = {0.0, 0.0, x_in_force(first - 1, run())[0]};
   fixed.x = fixed.x_in_force;
@@ -136,36 +163,45 @@ bool JerkPlan::make_trial(std::uint64_t first) {
   if (cells.size() < 2) return false;
   trial_.most_start_x = kInfinity;
   trial_.end = stop_behind(trial_).end;
-  guess_braking();
+  guess_braking(first);
   trial_.reset_weights(cells.first() + 1);
   return true;
 }
 
-void JerkPlan::guess_braking() {
+void JerkPlan::guess_braking(std::uint64_t first) {
   auto& cells = trial_.cells;
-  const double most = cells.front().x;
+  std::uint64_t in_force = first;
+  for (std::uint64_t i = cells.first() + 1; i != cells.end(); ++i) {
+    const double middle = cells[i].distance + 0.5 * cells[i].cell.length;
+    while (in_force + 1 < run().stop.cell && distance_of(in_force + 1) <= middle) ++in_force;
+    cells[i].guess = window_.cells[in_force].x_in_force;
+  }
   double x = kGuessedStandstill * trial_.end.most_x;
   double before = 0.0;
   for (std::uint64_t i = cells.end(); i-- > cells.first() + 1;) {
     const SpeedCell& cell = cells[i].cell;
     const double way = 0.5 * (before + cell.length);
     before = cell.length;
-    x = std::min(
-        {x + 2.0 * way * kFirm * cell.reach.moderate_w(x), most, kGuessedSpeed * cell.machine_x});
+    x = std::min({x + 2.0 * way * kFirm * cell.reach.moderate_w(x), cells[i].guess,
+                  kGuessedSpeed * cell.machine_x});
     cells[i].x = x;
   }
 }
 
-bool JerkPlan::try_to_stop(std::uint64_t first) {
-  if (!make_trial(first)) return false;
+/// What the trial uses of the limits in the end; without room for it, all that there are.
+Usage JerkPlan::try_to_stop(std::uint64_t first, double distance) {
+  if (!make_trial(first, distance)) return {kInfinity, trial_.cells.first()};
   const std::uint64_t free = trial_.cells.first() + 1;
+  Usage usage{kInfinity, free};
   for (int i = 1; i <= kMostRounds; ++i, ++rounds_) {
     const bool more = trial_.improve(free);
     if (more && i < kFewRounds) continue;
-    if (trial_.usage(free) <= kUsageOfPlan) return true;
+    const double before = usage.part;
+    usage = trial_.worst(free);
+    if (usage.part <= kUsageOfPlan || !(usage.part - 1.0 <= kNearer * (before - 1.0))) break;
     trial_.defend_harder(free);
   }
-  return false;
+  return usage;
 }
 
 void JerkPlan::take_over_trial(std::uint64_t first) {

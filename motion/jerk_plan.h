@@ -183,9 +183,9 @@ class JerkPlan {
   void drop_behind(std::uint64_t count);
   [[nodiscard]] double distance_to_stop(std::uint64_t first) const;
   [[nodiscard]] double shortest_braking(std::uint64_t first) const;
-  bool try_to_stop(std::uint64_t first);
-  bool make_trial(std::uint64_t first);
-  void guess_braking();
+  [[nodiscard]] Usage try_to_stop(std::uint64_t first, double distance);
+  bool make_trial(std::uint64_t first, double distance);
+  void guess_braking(std::uint64_t first);
   void take_over_trial(std::uint64_t first);
 
   std::size_t most_ahead_;

@@ -149,10 +149,11 @@ double SpeedWindow::usage_of(std::uint64_t index) const {
   return used;
 }
 
-double SpeedWindow::usage(std::uint64_t first) const {
-  double worst = 0.0;
+Usage SpeedWindow::worst(std::uint64_t first) const {
+  Usage worst{0.0, first};
   for (std::uint64_t i = first_touched(first); i != cells.end(); ++i) {
-    worst = larger(worst, usage_of(i));
+    const double used = usage_of(i);
+    if (used > worst.part || std::isnan(used)) worst = {used, i};
   }
   return worst;
 }

@@ -68,6 +68,12 @@ struct EndOfCells {
   double most_x = 0.0;
 };
 
+/// A part of a limit that is used, and the cell where.
+struct Usage {
+  double part = 0.0;
+  std::uint64_t cell = 0;
+};
+
 class SpeedWindow {
  public:
   explicit SpeedWindow(std::size_t max_cells);
@@ -89,7 +95,8 @@ class SpeedWindow {
   bool improve(std::uint64_t first);
   /// The largest part of a limit (less the reserve) that is used from cell `first` on; not a number
   /// if x is none anywhere.
-  [[nodiscard]] double usage(std::uint64_t first) const;
+  [[nodiscard]] double usage(std::uint64_t first) const { return worst(first).part; }
+  [[nodiscard]] Usage worst(std::uint64_t first) const;
 
  private:
   /// What a round wants of a cell; fixed during the round.
