@@ -18,8 +18,7 @@
 #include "config/ini_file.h"
 #include "hal/cpu5/driver/udp_channel.h"
 #include "hal/cpu5/wire/cobs.h"
-#include "hal/sim/troubled_line.h"
-#include "hal/sim/virtual_board.h"
+#include "hal/sim/posted_board.h"
 
 namespace cnc::hal::sim {
 namespace {
@@ -30,6 +29,8 @@ using Clock = std::chrono::steady_clock;
 
 /// The board is given its time at least so often.
 constexpr int kTickMilliseconds = 1;
+/// Packets that are taken at one look; what else has come waits for the next.
+constexpr std::size_t kMostFound = 4096;
 
 volatile std::sig_atomic_t stopped = 0;
 
@@ -105,11 +106,11 @@ class Pty {
   cpu5::wire::CobsReader<cpu5::wire::kMaxPacket> reader_;
 };
 
-/// The board, its clock, and the cables with what happens to them.
+/// The board, its clock and its lines.
 class Simulator {
  public:
   Simulator(const config::MachineConfig& config, const Scenario& scenario)
-      : board_(config, scenario) {}
+      : board_(config, scenario, [this](std::span<const std::uint8_t> packet) { send(packet); }) {}
 
   Result<void> listen(const std::string& address, std::uint16_t port) {
     error_code wrong;
@@ -129,8 +130,9 @@ class Simulator {
       std::array<pollfd, 2> waiting{pollfd{socket_.native_handle(), POLLIN, 0},
                                     pollfd{pty_.handle(), POLLIN, 0}};
       ::poll(waiting.data(), pty_.handle() >= 0 ? 2 : 1, kTickMilliseconds);
+      found_.clear();
       receive();
-      work();
+      board_.look(now(), found_);
     }
   }
 
@@ -143,33 +145,20 @@ class Simulator {
 
   void receive() {
     std::array<std::uint8_t, cpu5::wire::kMaxPacket> memory;
-    for (;;) {
+    while (found_.size() < kMostFound) {
       error_code nothing;
       udp::endpoint from;
       const auto size = socket_.receive_from(boost::asio::buffer(memory), from, 0, nothing);
       if (nothing) break;
       peer_ = from;
       way_ = Way::udp;
-      to_board_.put(std::span(memory).first(size), now(), board_.trouble());
-      work();
+      found_.emplace_back(memory.begin(), memory.begin() + static_cast<std::ptrdiff_t>(size));
     }
     if (pty_.handle() < 0) return;
     pty_.receive([&](std::span<const std::uint8_t> packet) {
       way_ = Way::pty;
-      to_board_.put(packet, now(), board_.trouble());
-      work();
+      found_.emplace_back(packet.begin(), packet.end());
     });
-  }
-
-  void work() {
-    const double present = now();
-    board_.advance_to(present);
-    for (auto packet = to_board_.take(present); !packet.empty(); packet = to_board_.take(present)) {
-      to_host_.put(board_.answer(packet), present, board_.trouble());
-    }
-    for (auto packet = to_host_.take(present); !packet.empty(); packet = to_host_.take(present)) {
-      send(packet);
-    }
   }
 
   void send(std::span<const std::uint8_t> packet) {
@@ -178,9 +167,8 @@ class Simulator {
     socket_.send_to(boost::asio::buffer(packet.data(), packet.size()), peer_, 0, lost);
   }
 
-  VirtualBoard board_;
-  TroubledLine to_board_{1};
-  TroubledLine to_host_{2};
+  PostedBoard board_;
+  std::vector<PostedBoard::Packet> found_;
   boost::asio::io_context context_;
   udp::socket socket_{context_};
   udp::endpoint peer_;
