@@ -29,6 +29,9 @@ constexpr std::array kRows{
     Row{Kind::not_understood, ErrorCode::board_version,
         "does not understand the greeting: its firmware and this program are of different "
         "versions."},
+    Row{Kind::no_status, ErrorCode::board_version,
+        "takes the greeting, but gives no status that makes sense: its firmware has a fault, or is "
+        "of another version than this program."},
     Row{Kind::other_axes, ErrorCode::board_unsuitable,
         "has {1} axes; this program drives boards with {2}."},
     Row{Kind::too_slow, ErrorCode::board_unsuitable,

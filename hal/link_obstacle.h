@@ -16,6 +16,7 @@ struct LinkObstacle {
     other_version,   ///< of the protocol
     bad_setup,       ///< a value of the setup is out of its range
     not_understood,  ///< it does not know the greeting, or its answer makes no sense
+    no_status,       ///< it takes the greeting, but its status does not come or makes no sense
     other_axes,      ///< it has another number of axes
     too_slow,        ///< it makes fewer steps per second
   };

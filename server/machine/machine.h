@@ -161,6 +161,7 @@ class Machine {
   void on_further_fault(hal::Faults faults);
   void tell_fault(std::string_view name) const;
   void watch_guards();
+  void watch_standstill();
   void watch_drives(bool on);
   void obey_guard();
   void watch_path_stop();
@@ -210,6 +211,7 @@ class Machine {
   std::array<Seldom, config::kGuardRules> guard_messages_;
   hal::Faults faults_ = 0;           // the board's, as seen
   std::optional<Error> guard_stop_;  // why the board stops, until it stands
+  double was_sane_at_ = 0.0;         // the board's standstill
   AxisArray<bool> home_switches_{};  // as seen in the last cycle
   std::vector<Waiter> waiters_;
   std::vector<std::pair<StateSaver::Ticket, Completion>> waiting_for_disk_;
@@ -220,6 +222,7 @@ class Machine {
   std::vector<std::filesystem::file_time_type> macro_times_;
   bool reset_wanted_ = false;
   double reset_deadline_ = 0.0;
+  bool reset_is_sent_ = false;
   bool shutting_down_ = false;
   std::function<void()> loss_listener_;
   ObstacleWatch obstacle_watch_;

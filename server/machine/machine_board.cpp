@@ -53,6 +53,7 @@ void Machine::watch_board() {
   watch_home_switches();
   watch_guards();
   watch_path_stop();
+  watch_standstill();
   const auto begun = static_cast<hal::Faults>(board.faults & ~std::exchange(faults_, board.faults));
   const bool has_ended = state_ == State::estop || state_ == State::error;
   if (board.faults != 0 && !has_ended) on_fault(board.faults);
@@ -73,6 +74,7 @@ void Machine::take_board() {
   guard_counts_ = {};
   guard_stop_.reset();
   faults_ = board.faults;
+  was_sane_at_ = now_;
   io_.board_is_back(board.outputs);
   feed_.join_session();
   feed_.accept_board_position();
@@ -157,6 +159,23 @@ void Machine::watch_path_stop() {
        "The board stopped along the path: the probe, or an input of a guard rule, became "
        "active when nothing waited for it.",
        std::nullopt});
+}
+
+/// No board that makes sense does that for long, and whatever waits for it would wait for ever.
+void Machine::watch_standstill() {
+  constexpr double kPatience = 3.0;  // s
+  const hal::ControllerStatus& board = feed_.board();
+  const bool has_ended = state_ == State::estop || state_ == State::error;
+  const bool takes_nothing = !feed_.all_told() && !board.moving && board.fifo_count == 0;
+  if (has_ended || !(takes_nothing || feed_.board_goes_on())) was_sane_at_ = now_;
+  if (now_ - was_sane_at_ < kPatience) return;
+  tell_fault("standstill");
+  stop_at_once({ErrorCode::motion_fault,
+                takes_nothing
+                    ? "The board stands, and takes nothing of what it is given."
+                    : "The board says that it moves, although it has executed all that it was "
+                      "given.",
+                std::nullopt});
 }
 
 /// STA-4: behind homing, a home switch that becomes active is an emergency stop where that is

@@ -23,6 +23,7 @@ void Machine::reset(Completion done) {
   reset_wanted_ = true;
   begin_stop();
   reset_deadline_ = 0.0;  // counts from when the machine stands
+  reset_is_sent_ = false;
 }
 
 void Machine::home(std::vector<Axis> axes, Completion done) {

@@ -210,12 +210,13 @@ void Machine::cycle_jog() {
 
 /// Reset: stand still, clear the board's faults, switch the drives on.
 void Machine::cycle_reset() {
-  if (!reset_wanted_ || !is_motionless()) return;
+  const bool is_at_work = job_.active() || homing_.active() || jog_.active();
+  if (!reset_wanted_ || is_at_work) return;
   const hal::ControllerStatus& board = feed_.board();
-  if (reset_deadline_ == 0.0) {
-    // Clearing faults makes the board forget outputs that are on their way: it has to have them
-    // all.
-    if (!feed_.at_rest()) return;
+  if (reset_deadline_ == 0.0) reset_deadline_ = now_ + kResetTimeout;
+  // Clearing faults makes the board forget outputs that are on their way: it has to have them all.
+  if (!reset_is_sent_ && feed_.at_rest()) {
+    reset_is_sent_ = true;
     reset_deadline_ = now_ + kResetTimeout;
     if (board.inputs.estop()) reset_deadline_ = now_;  // no point in waiting for a hand
     feed_.send(ClearFaults{});
@@ -226,7 +227,7 @@ void Machine::cycle_reset() {
       io_.all_off();
     return;
   }
-  if (board.faults == 0 && board.outputs.drives_enabled && feed_.at_rest()) {
+  if (reset_is_sent_ && board.faults == 0 && board.outputs.drives_enabled && feed_.at_rest()) {
     reset_wanted_ = false;
     feed_.accept_board_position();
     interpreter_.set_position(feed_.commanded());
@@ -238,15 +239,17 @@ void Machine::cycle_reset() {
     settle(WaitFor::reset, {});
     return;
   }
-  if (board.faults == 0) io_.enable_drives(true);
+  if (reset_is_sent_ && board.faults == 0) io_.enable_drives(true);
   if (now_ < reset_deadline_) return;
   reset_wanted_ = false;
+  const std::string_view undone =
+      reset_is_sent_ ? "The board did not clear its faults and switch its drives on in time."
+                     : "The board did not come to rest and do what it had been told in time.";
   settle(WaitFor::reset,
          board.inputs.estop()
              ? fail(ErrorCode::estop_pressed,
                     "The emergency stop is still pressed: release it, then reset again.")
-             : fail(ErrorCode::controller_not_answering,
-                    "The board did not clear its faults and switch its drives on in time."));
+             : fail(ErrorCode::controller_not_answering, std::string(undone)));
 }
 
 }  // namespace cnc::server

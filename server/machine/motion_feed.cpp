@@ -228,6 +228,11 @@ Result<void> MotionFeed::settle() {
 Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Setpoint& motors,
                               std::uint64_t ordinal, const hal::OutputChange& change) {
   if (auto checked = motor_check_.check(motors); !checked) return checked;
+  // What the board has not executed has to be remembered. So many more have become void by cuts
+  // that were late, one after the other, as no board needs that makes sense.
+  if (next_id() - std::max(executing_id_, void_id_) >= kHistory)
+    return fail(ErrorCode::motion_fault,
+                "The board calls every change of the path late, or executes none of it.");
   const Sent& before = sent(last_id_);
   Sent next{.id = next_id(),
             .before = before.id,
@@ -284,7 +289,8 @@ std::size_t MotionFeed::replaceable() {
       executed_time() + patience_ * (2.0 * status_.interval + kLatest) + replanning_;
   std::size_t count = under_way();
   std::size_t result = 0;
-  for (const Sent* last = &sent(last_id_); count > 0; last = &sent(last->before)) {
+  for (const Sent* last = &sent(last_id_); count > 0 && last->id != 0; last = &sent(last->before)) {
+    if (sent(last->before).id != last->before) return 0;  // it makes no sense: fastest_under_way()
     if (last->tag.spindle_speed != 0.0) return 0;
     const Sent& before = sent(last->before);
     if (before.ordinal == last->ordinal) continue;
@@ -356,12 +362,15 @@ void MotionFeed::go_on_behind(Id id) {
 Position MotionFeed::fastest_under_way() const {
   Position fastest;
   const std::uint64_t executing = sent(last_id_).ordinal - under_way();
-  for (const Sent* segment = &sent(last_id_);; segment = &sent(segment->before)) {
+  // A board may name any segment as the one in execution: not all before it are remembered.
+  for (Id id = last_id_; sent(id).id == id; id = sent(id).before) {
+    const Sent& segment = sent(id);
     for (const Axis axis : kAllAxes)
-      fastest[axis] = std::max({fastest[axis], std::abs(segment->start_velocity[axis]),
-                                std::abs(segment->end_velocity[axis])});
-    if (segment->ordinal <= executing) return fastest;
+      fastest[axis] = std::max({fastest[axis], std::abs(segment.start_velocity[axis]),
+                                std::abs(segment.end_velocity[axis])});
+    if (id == 0 || segment.ordinal <= executing) break;
   }
+  return fastest;
 }
 
 double MotionFeed::executed_time() const {
@@ -373,6 +382,11 @@ double MotionFeed::executed_time() const {
 bool MotionFeed::at_rest() const {
   return all_told() && !status_.board.moving && status_.board.fifo_count == 0 &&
          !position_unknown_ && cut_.answer != CutAnswer::pending && cut_.answer != CutAnswer::late;
+}
+
+bool MotionFeed::board_goes_on() const {
+  return all_told() && executed(last_id_) && cut_.answer != CutAnswer::pending &&
+         (status_.board.moving || status_.board.fifo_count > 0);
 }
 
 Executing MotionFeed::executing() const {

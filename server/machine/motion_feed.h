@@ -88,6 +88,8 @@ class MotionFeed {
   }
   /// Everything emitted and every command sent has been executed, and the machine stands.
   [[nodiscard]] bool at_rest() const;
+  /// The board says that it moves, or has more to execute, behind the end of all that it was given.
+  [[nodiscard]] bool board_goes_on() const;
   /// A quick stop is under way: where the machine will stand is not known yet.
   [[nodiscard]] bool stopping() const { return position_unknown_; }
   [[nodiscard]] Executing executing() const;

@@ -20,6 +20,7 @@ struct Pretence {
   /// Instead of every other answer.
   std::optional<cpu5::wire::Refusal> refusal{};
   bool is_mute = false;
+  bool is_mute_behind_greeting = false;
   int looks_elsewhere = 0;  ///< that the port has asked for
 };
 
@@ -36,9 +37,11 @@ class PretendBoard final : public cpu5::PacketChannel {
     if (asked_->type == cpu5::wire::PacketType::hello) frames_ = 0;
   }
   std::span<const std::uint8_t> receive() override {
-    if (const auto asked = std::exchange(asked_, std::nullopt); asked && !pretence_.is_mute)
-      return answer(*asked);
-    return {};
+    const auto asked = std::exchange(asked_, std::nullopt);
+    if (!asked || pretence_.is_mute) return {};
+    const bool greets = asked->type == cpu5::wire::PacketType::hello;
+    if (pretence_.is_mute_behind_greeting && !greets) return {};
+    return answer(*asked);
   }
   void look_elsewhere() override { ++pretence_.looks_elsewhere; }
   [[nodiscard]] std::string name() const override { return "the other end"; }

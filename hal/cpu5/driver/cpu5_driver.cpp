@@ -51,8 +51,9 @@ double speed_of(firmware::Ticks period) {
 
 double phase_of(const firmware::Status& board) {
   if (board.executing_duration == 0) return 0.0;
-  return static_cast<double>(board.executing_elapsed) /
-         static_cast<double>(board.executing_duration);
+  // Of a board that makes sense it is never more.
+  return std::min(1.0, static_cast<double>(board.executing_elapsed) /
+                           static_cast<double>(board.executing_duration));
 }
 
 }  // namespace

@@ -36,6 +36,8 @@ constexpr double kLongestWait = 0.1;
 /// look elsewhere.
 constexpr unsigned kSilentGreetings = 10;
 constexpr unsigned kVainGreetings = 20;
+/// Welcomes without a status until the board counts as one that has none.
+constexpr unsigned kVainWelcomes = 3;
 
 constexpr double kStampsPerSecond = 1e6;
 
@@ -80,7 +82,7 @@ Result<void> WirePort::begin(const firmware::Setup& setup) {
   if (state_ == State::running) close();
   setup_ = setup;
   state_ = State::greeting;
-  greetings_in_vain_ = 0;
+  greetings_in_vain_ = welcomes_in_vain_ = 0;
   answer_.obstacle = {};
   return channel_->open();
 }
@@ -100,7 +102,8 @@ Result<wire::Identity> WirePort::open(const firmware::Setup& setup) {
     if (answer_.obstacle.kind != Kind::none && answer_.obstacle.kind != Kind::busy) break;
     std::this_thread::sleep_for(kOpenPause);
   }
-  if (answer_.obstacle.kind == Kind::none) answer_.obstacle.kind = Kind::silent;
+  if (answer_.obstacle.kind == Kind::none)
+    answer_.obstacle.kind = welcomes_in_vain_ > 0 ? Kind::no_status : Kind::silent;
   return std::unexpected(
       error_of(answer_.obstacle, fmt::format("The controller board at {}", channel_->name())));
 }
@@ -136,11 +139,15 @@ bool WirePort::take_welcome(ByteReader& body) {
   wire::Identity identity;
   if (state_ != State::greeting || !wire::get_identity(body, identity)) return false;
   greetings_in_vain_ = 0;
-  answer_.obstacle = {};
-  if (identity.window == 0) answer_.obstacle = {Kind::not_understood};
+  LinkObstacle unsuitable;
+  if (identity.window == 0) unsuitable = {Kind::not_understood};
   if (identity.axes != firmware::kAxisCount)
-    answer_.obstacle = {Kind::other_axes, identity.axes, identity.axes, firmware::kAxisCount};
-  if (answer_.obstacle.kind != Kind::none) return false;
+    unsuitable = {Kind::other_axes, identity.axes, identity.axes, firmware::kAxisCount};
+  if (++welcomes_in_vain_ >= kVainWelcomes) answer_.obstacle = {Kind::no_status};
+  if (unsuitable.kind != Kind::none) {
+    answer_.obstacle = unsuitable;
+    return false;
+  }
   answer_.identity = identity;
   window_ = std::min<std::uint32_t>(identity.window, kWindow);
   answer_.counts_lost = boot_known_ && identity.boot != boot_;
@@ -162,7 +169,10 @@ bool WirePort::take_refusal(ByteReader& body) {
     lose_link();
   } else if (state_ == State::greeting) {
     greetings_in_vain_ = 0;
-    answer_.obstacle = obstacle_of(refusal);
+    // A board that gives no status is busy with this host's last session for a second.
+    const bool explains_nothing =
+        refusal.reason == RefusalReason::busy && answer_.obstacle.kind == Kind::no_status;
+    if (!explains_nothing) answer_.obstacle = obstacle_of(refusal);
   }
   return true;
 }
@@ -307,6 +317,8 @@ bool WirePort::take_status(ByteReader& body) {
     boot_ = answer_.identity.boot;
     boot_known_ = true;
     answer_.connected = true;
+    answer_.obstacle = {};
+    welcomes_in_vain_ = 0;
     ++answer_.greetings;
   }
   newest_answer_ = numbers.answer;

@@ -80,6 +80,7 @@ class WirePort : public BoardPort {
   double now_ = 0.0;
   double greeted_at_ = -1.0;
   unsigned greetings_in_vain_ = 0;
+  unsigned welcomes_in_vain_ = 0;           // no status came behind them
   bool asked_ = false;                      // something that is to be answered
   std::optional<double> unanswered_since_;  // the first look for an answer that was in vain
 
