@@ -26,6 +26,8 @@ class VirtualBoard {
   void advance_to(double now);
   /// Where its time has come to, s.
   [[nodiscard]] double now() const { return now_; }
+  /// Steps that it has made of each axis since power-up or reset.
+  [[nodiscard]] cpu5::firmware::PerAxis<std::int64_t> counts() { return core_->status().counts; }
   /// A packet has come: the answer, valid until the next call; empty: none.
   std::span<const std::uint8_t> answer(std::span<const std::uint8_t> packet);
   /// As if its power had failed for a moment: it forgets everything, the machine stays as it is.
