@@ -209,7 +209,8 @@ double JerkPlan::distance_of(std::uint64_t index) const {
 
 void JerkPlan::set_overrides(const Overrides& factors) {
   const Overrides wanted{std::clamp(factors.feed, kLeastFactor, kMostFactor),
-                         std::clamp(factors.rapid, kLeastFactor, kMostFactor)};
+                         std::clamp(factors.rapid, kLeastFactor, kMostFactor),
+                         std::clamp(factors.speed, kLeastFactor, kMostFactor)};
   if (wanted == overrides_) return;
   overrides_ = wanted;
   changed_ = true;

@@ -61,7 +61,7 @@ PathInterval interval_of(const Piece& piece, double begin, double length) {
   }
   interval.feed = piece.kind == MoveKind::rapid ? kInfinity : piece.feed;
   interval.measure = measure_of(piece.curve);
-  interval.override = piece.override_kind();
+  interval.override = piece.override;
   return interval;
 }
 
@@ -180,7 +180,7 @@ bool JerkProfile::can_go_on_alone() const { return plan_.held() || plan_.knows_e
 void JerkProfile::obey(bool held) {
   const PathPlace next = plan_.next_place();
   const bool barred =
-      next.interval < parts_.end() && overrides_.of(piece_of(next.interval).override_kind()) <= 0.0;
+      next.interval < parts_.end() && overrides_.of(piece_of(next.interval).override) <= 0.0;
   const bool stop = held || barred;
   if (stop == plan_.held()) return;
   if (stop) {

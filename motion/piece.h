@@ -19,18 +19,13 @@ enum class Entry : std::uint8_t {
 /// What the program wants of a move.
 struct Wishes {
   MoveKind kind = MoveKind::feed;
-  bool follows_override = true;
+  Override override = Override::feed;
   double feed = 0.0;
   double laf_angle = 0.0;
   double tolerance = 0.0;  ///< mm the path may leave it by (G64 P); 0: exact path
   double simplify = 0.0;   ///< mm within which lines may be joined (Q)
   bool stop_at_end = false;
   MoveTag tag;
-
-  [[nodiscard]] Override override_kind() const {
-    if (kind == MoveKind::rapid) return Override::rapid;
-    return follows_override ? Override::feed : Override::none;
-  }
 };
 
 /// The range [begin, end] of the curve is driven; blends have taken the rest.

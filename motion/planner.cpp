@@ -119,7 +119,7 @@ struct Planner::Impl {
     const bool is_feed = options.kind == MoveKind::feed;
     piece.kind = options.kind;
     piece.feed = is_feed ? options.feed : 0.0;
-    piece.follows_override = options.follows_override;
+    piece.override = is_feed ? options.override : Override::rapid;
     piece.laf_angle = options.laf_angle.value_or(settings.laf_angle);
     piece.stop_at_end = options.stop_at_end;
     piece.tolerance = is_feed ? options.tolerance : 0.0;  // rapids reach their ends
@@ -311,11 +311,18 @@ void Planner::revoke_take_back() {
   impl_->position = taken.before.position;
 }
 
-void Planner::set_overrides(double feed, double rapid) {
+void Planner::set_overrides(double feed, double rapid, double speed) {
   // A NaN fails both comparisons of clamp and would pass: it means 0, the safe side.
-  impl_->overrides = {std::isnan(feed) ? 0.0 : std::clamp(feed, 0.0, 3.0),
-                      std::isnan(rapid) ? 0.0 : std::clamp(rapid, 0.0, 1.0)};
+  const auto within = [](double factor, double most) {
+    return std::isnan(factor) ? 0.0 : std::clamp(factor, 0.0, most);
+  };
+  impl_->overrides = {within(feed, 3.0), within(rapid, 1.0), within(speed, 3.0)};
   impl_->profile->set_overrides(impl_->overrides);
+}
+
+bool Planner::barred() const {
+  const auto& [feed, rapid, speed] = impl_->overrides;
+  return std::min({feed, rapid, speed}) <= 0.0;
 }
 
 void Planner::hold() { impl_->held = true; }

@@ -22,6 +22,7 @@
 #include "config/error.h"
 #include "motion/curve.h"
 #include "motion/limits.h"
+#include "motion/overrides.h"
 #include "motion/setpoint.h"
 
 namespace cnc::motion {
@@ -40,11 +41,11 @@ struct MoveOptions {
   MoveKind kind = MoveKind::feed;
   double feed =
       0.0;  ///< programmed feed along the path, mm/s (deg/s for rotary-only); unused for rapids
-  bool follows_override = true;     ///< false: threads and taps, whose feed is their pitch
-  bool stop_at_end = false;         ///< exact stop (G61.1) after this move
-  double tolerance = 0.0;           ///< mm the path may leave the move by (G64 P); 0: exact path
-  double simplify = 0.0;            ///< mm within which short lines may become one (Q); 0: never
-  std::optional<double> laf_angle;  ///< overrides the setting, degrees
+  Override override = Override::feed;  ///< of a feed move
+  bool stop_at_end = false;            ///< exact stop (G61.1) after this move
+  double tolerance = 0.0;              ///< mm the path may leave the move by (G64 P); 0: exact path
+  double simplify = 0.0;               ///< mm within which short lines may become one (Q); 0: never
+  std::optional<double> laf_angle;     ///< overrides the setting, degrees
   MoveTag tag;
 };
 
@@ -91,10 +92,12 @@ class Planner {
   [[nodiscard]] std::optional<Stretch> skip(Supply supply = Supply::ended);
 
   /// Operator's overrides as factors; they act from the next setpoint on. Feed 0 … 3, 0 stops along
-  /// the path like hold(); rapid 0 … 1. Values outside are brought inside. A change costs one pass
-  /// over the planned steps, half a millisecond at most; with limits of jerk a new plan with the
-  /// next setpoint, some milliseconds.
-  void set_overrides(double feed, double rapid);
+  /// the path like hold(); rapid 0 … 1; of the spindle's speed 0 … 3. Values outside are brought
+  /// inside. A change costs one pass over the planned steps, half a millisecond at most; with
+  /// limits of jerk a new plan with the next setpoint, some milliseconds.
+  void set_overrides(double feed, double rapid, double speed = 1.0);
+  /// An override is 0: next() may give nothing although moves are waiting.
+  [[nodiscard]] bool barred() const;
   /// Brakes along the path as hard as the limits allow; next() ends when standing still.
   void hold();
   void resume();

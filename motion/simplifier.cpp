@@ -16,7 +16,7 @@ bool is_simple(const Piece& piece) {
 
 bool wants_the_same(const Piece& a, const Piece& b) {
   return a.feed == b.feed && a.simplify == b.simplify && a.tolerance == b.tolerance &&
-         a.laf_angle == b.laf_angle && a.follows_override == b.follows_override &&
+         a.laf_angle == b.laf_angle && a.override == b.override &&
          a.tag.spindle_speed == b.tag.spindle_speed && !b.tag.begins_at_index;
 }
 

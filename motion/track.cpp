@@ -163,7 +163,7 @@ void Track::push_unplanned(const Piece& wanted, bool stop_before) {
   piece = wanted;
   const Position direction = tangent_of(piece.curve, piece.begin);
   const double feed = piece.kind == MoveKind::feed
-                          ? piece.feed * std::max(1.0, overrides_.of(piece.override_kind()))
+                          ? piece.feed * std::max(1.0, overrides_.of(piece.override))
                           : kInfinity;
   const double speed = std::min(feed, 1.0 / largest_share(direction, per_velocity_));
   const double acceleration = 1.0 / largest_share(direction, per_acceleration_);
@@ -246,7 +246,7 @@ void Track::apply_feed(Step& step, const Piece& piece) const {
   if (piece.kind == MoveKind::rapid) {
     step.wanted_x = step.machine_x * overrides_.rapid * overrides_.rapid;
   } else {
-    const double feed = piece.feed * overrides_.of(piece.override_kind()) / step.stretch;
+    const double feed = piece.feed * overrides_.of(piece.override) / step.stretch;
     step.wanted_x = std::min(step.machine_x, feed * feed);
   }
 }

@@ -33,7 +33,7 @@ double time_alone(const Piece& piece, double length, const AxisLimits& limits,
                   const Overrides& overrides) {
   const Position direction = direction_bound(piece.curve);
   const double machine = largest_along(direction, limits.max_velocity);
-  const double factor = overrides.of(piece.override_kind());
+  const double factor = overrides.of(piece.override);
   const double speed =
       piece.kind == MoveKind::rapid ? machine * factor : std::min(machine, piece.feed * factor);
   return trapezoid_time(length, speed, largest_along(direction, limits.max_acceleration));

@@ -1,5 +1,6 @@
 #include "server/job/job_control.h"
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 #include <variant>
@@ -247,6 +248,7 @@ void JobControl::show(const JobEvent& event) {
                  [&](const interp::SetSpindleSpeed& set) {
                    surface_speed_.reset();
                    io_.set_spindle_speed(set.speed);
+                   apply_overrides();
                  },
                  [&](const interp::UseSurfaceSpeed& use) { surface_speed_ = use; },
                  [&](const interp::UseHomeSensorsAsEstop& use) { home_is_estop_ = use.on; },
@@ -283,8 +285,7 @@ void JobControl::show(const JobEvent& event) {
 }
 
 void JobControl::set_overrides(const Overrides& overrides) {
-  const bool same = overrides.feed == overrides_.feed && overrides.rapid == overrides_.rapid &&
-                    (overrides.speed == overrides_.speed || notes_.empty());
+  const bool same = overrides == overrides_;
   overrides_ = overrides;
   apply_overrides();
   plan_speeds();
@@ -292,8 +293,19 @@ void JobControl::set_overrides(const Overrides& overrides) {
 }
 
 void JobControl::apply_overrides() {
-  planner_.set_overrides(feed_override_enabled_ ? overrides_.feed : 1.0, overrides_.rapid);
-  io_.set_speed_override(speed_override_enabled_ ? overrides_.speed : 1.0);
+  const double speed = speed_override_enabled_ ? overrides_.speed : 1.0;
+  planner_.set_overrides(feed_override_enabled_ ? overrides_.feed : 1.0, overrides_.rapid,
+                         speed_reached(speed));
+  io_.set_speed_override(speed);
+}
+
+/// The part of its programmed speed at which the spindle turns with this override: a feed per
+/// revolution must not grow beyond what the spindle can do.
+double JobControl::speed_reached(double override) const {
+  const double programmed = std::min(io_.spindle_speed(), config_.spindle.max_speed);
+  if (programmed <= 0.0) return override;
+  return std::clamp(override * programmed, config_.spindle.min_speed, config_.spindle.max_speed) /
+         programmed;
 }
 
 /// While nothing runs the interpreter is where the machine is.

@@ -45,6 +45,8 @@ struct Overrides {
   double feed = 1.0;
   double rapid = 1.0;
   double speed = 1.0;
+
+  bool operator==(const Overrides&) const = default;
 };
 
 class JobControl {
@@ -142,6 +144,7 @@ class JobControl {
   void withdraw_notes();
   void show(const JobEvent& event);
   void apply_overrides();
+  [[nodiscard]] double speed_reached(double override) const;
 
   const config::MachineConfig& config_;
   interp::Interpreter& interpreter_;

@@ -39,7 +39,7 @@ Result<void> JobRunner::queue_sync_move(const interp::Command& command, bool goe
           : 60.0 * turns_per_second(motion::extents_of_line(planner_.queue_end(), move.end));
   motion::MoveOptions options = options_for(command, motion::MoveKind::feed);
   options.feed = move.pitch * rpm / 60.0;
-  options.follows_override = false;
+  options.override = motion::Override::none;
   options.stop_at_end = !goes_on;
   options.laf_angle = 180.0;  // a thread goes on through its tapers
   options.tag.spindle_speed = mode_ == interp::RunMode::run ? rpm : 0.0;
@@ -134,6 +134,8 @@ motion::MoveOptions JobRunner::options_for(const interp::Command& command, motio
   motion::MoveOptions options;
   options.kind = kind;
   options.feed = feed_.feed;
+  if (feed_.mode == interp::FeedMode::per_revolution)
+    options.override = motion::Override::feed_per_turn;
   options.stop_at_end = path_mode_.mode == interp::PathMode::exact_stop;
   options.laf_angle = path_mode_.laf_angle;
   if (path_mode_.mode == interp::PathMode::continuous) {

@@ -90,7 +90,9 @@ JobRunner::Next JobRunner::next() {
     return Next::setpoint;
   }
   if (unconfirmed_) return Next::busy;
-  if (held_ || (!planner_.idle() && !more_to_come_)) return Next::held;
+  if (held_) return Next::held;
+  if (ought_to_move()) return fail_without_motion();
+  if (!planner_.idle() && !more_to_come_) return Next::held;
   if (pending_action_) {
     event_ = *pending_action_;
     return Next::action;
@@ -98,6 +100,24 @@ JobRunner::Next JobRunner::next() {
   if (more_to_come_) return Next::busy;
   running_ = false;
   return error_ ? Next::failed : Next::ended;
+}
+
+/// There is path enough to be planned, and nothing forbids to drive it.
+bool JobRunner::ought_to_move() const {
+  const bool is_known = planner_.full() || !more_to_come_;
+  return is_known && !planner_.idle() && !planner_.barred();
+}
+
+/// A job that would wait without end, and could not say for what.
+JobRunner::Next JobRunner::fail_without_motion() {
+  const Position& at = planner_.position();
+  error_ = Error{ErrorCode::motion_not_found,
+                 fmt::format("The job stands at X{:.3f} Y{:.3f} Z{:.3f}, behind move {}, and the "
+                             "planner finds no motion for what follows.",
+                             at[Axis::X], at[Axis::Y], at[Axis::Z], setpoint_.tag.id),
+                 std::nullopt};
+  running_ = false;
+  return Next::failed;
 }
 
 /// Between moves the program may say very much (messages, offsets); bounded per call like lines.

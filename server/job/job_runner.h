@@ -34,7 +34,7 @@ class JobRunner {
     note,      ///< event(): show it, go on
     action,    ///< event(): perform it once the machine stands still, then call action_done()
     busy,      ///< the interpreter's line budget ran out, call again
-    held,      ///< standing still after hold()
+    held,      ///< standing still after hold(), or because an override is 0
     ended,     ///< every setpoint and action has been handed out
     failed,    ///< error(); everything before the faulty line has been handed out
   };
@@ -98,6 +98,8 @@ class JobRunner {
   void fill_planner();
   [[nodiscard]] std::optional<motion::Setpoint> draw();
   [[nodiscard]] std::optional<motion::Setpoint> draw(motion::Supply supply);
+  [[nodiscard]] bool ought_to_move() const;
+  Next fail_without_motion();
   [[nodiscard]] bool notes_are_many() const;
   void take(const interp::Command& command);
   [[nodiscard]] Next give_note();

@@ -68,7 +68,7 @@ TEST_CASE("Moves that want different things are not joined", "[GCO-6]") {
   CHECK_FALSE(joined([](Piece& p) { p.feed = 11.0; }));
   CHECK_FALSE(joined([](Piece& p) { p.tolerance = 0.5; }));
   CHECK_FALSE(joined([](Piece& p) { p.kind = MoveKind::rapid; }));
-  CHECK_FALSE(joined([](Piece& p) { p.follows_override = false; }));
+  CHECK_FALSE(joined([](Piece& p) { p.override = Override::feed_per_turn; }));
   CHECK_FALSE(joined([](Piece& p) { p.tag.begins_at_index = true; }));
   simplifier.clear();
   Piece stops = first;

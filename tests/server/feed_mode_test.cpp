@@ -110,6 +110,31 @@ TEST_CASE("With a fourth axis F is the speed of the tip on the work piece", "[MO
   }
 }
 
+TEST_CASE("A feed per revolution follows the override of the spindle", "[MOT-8][MAN-8]") {
+  // F0.1 at S1000: 100 mm/min; and what the spindle cannot reach, the feed does not either.
+  struct Case {
+    double lowest;      // of the spindle, rpm
+    double speed;       // rpm
+    double factor;      // of the spindle
+    double mm_per_min;  // F0.1
+  };
+  const auto jerk = GENERATE("0", "20000");
+  const auto [lowest, speed, factor, mm_per_min] =
+      GENERATE(Case{0.0, 1000.0, 0.5, 50.0}, Case{1000.0, 1000.0, 0.5, 100.0},
+               Case{0.0, 1000.0, 1.2, 120.0}, Case{0.0, 20'000.0, 1.5, 2400.0});
+  CAPTURE(jerk, lowest, speed, factor);
+  ReadyRig rig(free_machine({"SPINDLE_0.spindleRampUpTime=0", "SPINDLE_0.spindleNmax=24000",
+                             fmt::format("SPINDLE_0.spindleNmin={}", lowest),
+                             fmt::format("AXIS_X.jerk={}", jerk)}));
+  rig.start(fmt::format("S{} M3\nG95 G1 X200 F0.1\nX300\n", speed));
+  REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 1.0; }, 5.0));
+  REQUIRE(rig.machine.set_overrides({1.0, 1.0, factor}));
+  rig.run_for(1.0);
+  const double from = rig.position()[Axis::X];
+  rig.run_for(1.0);
+  CHECK((rig.position()[Axis::X] - from) * 60.0 == Approx(mm_per_min).epsilon(0.01));
+}
+
 TEST_CASE("Facing at constant surface speed: each place has the feed of the spindle's turns there",
           "[MOT-8][GCO-7]") {
   // 60 m/min and at most 2000 rpm: n(r) = 2000/60 turns per second up to r0 = 30/pi/2 mm, and
