@@ -12,14 +12,31 @@ Link::Link(std::unique_ptr<hal::Controller> controller) : controller_(std::move(
 bool Link::push(const LinkItem& item) {
   if (!queue_.push(item)) return false;
   ++pushed_;
+  if (!holds_back_) hand_over();
   return true;
 }
 
+void Link::hand_over() {
+  holds_back_ = false;
+  handed_over_.store(pushed_, std::memory_order_release);
+}
+
 bool Link::begin_cut(std::uint32_t id) {
+  hold_back();
   if (!push(CutBehind{id})) return false;
   begun_cut_ = pushed_;
   cut_behind_.store(id, std::memory_order_relaxed);
   return true;
+}
+
+void Link::commit_cut() {
+  cut_item_.store(begun_cut_, std::memory_order_release);
+  hand_over();
+}
+
+void Link::quick_stop() {
+  quick_stop_before_.store(pushed_ + 1, std::memory_order_release);
+  hand_over();  // only then: what is dropped must not go out before
 }
 
 void Link::cycle(double now) {
@@ -51,7 +68,8 @@ void Link::deliver() {
   while (session_ != joined_session_ && queue_.read_available() > 0) drop_front();
   // Behind a quick stop that has come meanwhile: with the next cycle's frame, which knows of it.
   const auto may_deliver = [this] {
-    return queue_.read_available() > 0 && quick_stop_before_.load(std::memory_order_acquire) == 0;
+    return delivered_ < handed_over_.load(std::memory_order_acquire) &&
+           quick_stop_before_.load(std::memory_order_acquire) == 0;
   };
   while (may_deliver() && dispose_of(queue_.front())) {
     queue_.pop();
@@ -104,7 +122,6 @@ bool Link::deliver(const LinkItem& item) {
     std::uint64_t& settling_frame;
     std::uint32_t& given_id;
     std::uint32_t& given_before_cut;
-    bool is_committed;
     bool operator()(const hal::Segment& segment) const {
       if (path_is_void) return true;
       if (board.push({&segment, 1}) != 1) return false;
@@ -112,7 +129,6 @@ bool Link::deliver(const LinkItem& item) {
       return true;
     }
     bool operator()(const CutBehind& cut) const {
-      if (!is_committed) return false;
       board.cut_behind(cut.id);
       given_before_cut = given_id;
       return true;
@@ -156,10 +172,8 @@ bool Link::deliver(const LinkItem& item) {
       return true;
     }
   };
-  const bool is_committed = delivered_ < cut_item_.load(std::memory_order_acquire);
-  return std::visit(Visitor{*controller_, path_is_void_, settling_frame_, given_id_,
-                            given_before_cut_, is_committed},
-                    item);
+  return std::visit(
+      Visitor{*controller_, path_is_void_, settling_frame_, given_id_, given_before_cut_}, item);
 }
 
 void Link::drop_queue() {

@@ -2,8 +2,9 @@
 //
 // The executor pushes items: segments and commands, in the order in which they have to happen. The
 // link thread calls cycle() at a fixed pace: it moves items to the board as far as the board takes
-// them, exchanges, and publishes the board's status. Neither side waits for the other. cncsim and
-// tests call both sides from one thread.
+// them, exchanges, and publishes the board's status. Neither side waits for the other: what must
+// not reach the board in parts is held back until it is whole. cncsim and tests call both sides
+// from one thread.
 #pragma once
 
 #include <atomic>
@@ -80,16 +81,19 @@ class Link {
   [[nodiscard]] std::size_t space() const { return queue_.write_available(); }
   /// Number of items pushed so far; when status().items_done reaches it the board has them all.
   [[nodiscard]] std::uint64_t pushed() const { return pushed_; }
+  /// What is pushed from now on waits for hand_over(), and then goes out together.
+  void hold_back() { holds_back_ = true; }
+  void hand_over();
   /// Replaces the segments behind number `id`, those that still wait here too: begin_cut(), push
-  /// the new ones, commit_cut(). The link thread then brings cut and new segments to the board in
-  /// one cycle; what they replace goes before them as far as the board has room, and is dropped
-  /// where it has none. When the item that begin_cut() has pushed is done, the status says whether
-  /// it was late, and what the board has of the old path then. One at a time.
+  /// the new ones, commit_cut(). Cut and new segments are held back until then; what they replace
+  /// goes before them as far as the board has room, and is dropped where it has none. When the item
+  /// that begin_cut() has pushed is done, the status says whether it was late, and what the board
+  /// has of the old path then. One at a time.
   bool begin_cut(std::uint32_t id);
-  void commit_cut() { cut_item_.store(begun_cut_, std::memory_order_release); }
+  void commit_cut();
   /// Overtakes everything: pulses stop at once, items pushed before are dropped (and count as
   /// done), outputs among them. Those that are pushed from now on happen behind it.
-  void quick_stop() { quick_stop_before_.store(pushed_ + 1, std::memory_order_release); }
+  void quick_stop();
   [[nodiscard]] const LinkStatus& status() { return status_.read(); }
 
   // --- link thread: real-time, no allocation, no lock --------------------------------------------
@@ -104,7 +108,7 @@ class Link {
   void deliver();
   /// Whether it leaves the queue: delivered, or cut off.
   bool dispose_of(const LinkItem& item);
-  /// False when the board has no room for it yet, or it is a cut that is not committed.
+  /// False when the board has no room for it yet.
   bool deliver(const LinkItem& item);
   [[nodiscard]] bool is_replaced(const LinkItem& item) const;
   void drop_queue();
@@ -122,10 +126,12 @@ class Link {
   std::unique_ptr<hal::Controller> controller_;
   boost::lockfree::spsc_queue<LinkItem, boost::lockfree::capacity<kCapacity>> queue_;
   TripleBuffer<LinkStatus> status_;
+  std::atomic<std::uint64_t> handed_over_{0};        // number of the last item that may go out
   std::atomic<std::uint64_t> quick_stop_before_{0};  // number of the next item; 0: none is wanted
   std::atomic<std::uint64_t> cut_item_{0};  // number of the last cut that is committed, among items
   std::atomic<std::uint32_t> cut_behind_{0};
   std::uint64_t pushed_ = 0;      // executor's
+  bool holds_back_ = false;       // executor's
   std::uint64_t begun_cut_ = 0;   // executor's: number of its item
   double last_exchange_ = 0.0;    // link thread's
   std::uint64_t delivered_ = 0;   // link thread's, as all that follows: items handed over

@@ -120,7 +120,8 @@ std::optional<Axis> Homing::advance() {
 }
 
 void Homing::begin_axis() {
-  motion_.begin({});                        // the axis before counts anew
+  // Anew: the axis before may count from another place now.
+  motion_.begin({});
   if (feed_.board().inputs.home[axis()]) {  // stands on its switch already
     phase_ = Phase::at_switch;
     return;

@@ -211,7 +211,7 @@ class Machine {
   std::array<Seldom, config::kGuardRules> guard_messages_;
   hal::Faults faults_ = 0;           // the board's, as seen
   std::optional<Error> guard_stop_;  // why the board stops, until it stands
-  double was_sane_at_ = 0.0;         // the board's standstill
+  double was_sane_at_ = 0.0;         // watch_standstill()
   AxisArray<bool> home_switches_{};  // as seen in the last cycle
   std::vector<Waiter> waiters_;
   std::vector<std::pair<StateSaver::Ticket, Completion>> waiting_for_disk_;

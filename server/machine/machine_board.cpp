@@ -161,7 +161,8 @@ void Machine::watch_path_stop() {
        std::nullopt});
 }
 
-/// No board that makes sense does that for long, and whatever waits for it would wait for ever.
+/// A board that stands and takes nothing, or moves behind the end of all that it was given: none
+/// that makes sense does so for long, and whatever waits for it would wait for ever.
 void Machine::watch_standstill() {
   constexpr double kPatience = 3.0;  // s
   const hal::ControllerStatus& board = feed_.board();

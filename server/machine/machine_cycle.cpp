@@ -24,6 +24,7 @@ void Machine::cycle(double now) {
   cycle_jog();
   cycle_stop();
   cycle_reset();
+  feed_.hand_over();
   take_findings();
   answer_saved();
   snapshots_.publish(take_snapshot());

@@ -1,7 +1,5 @@
 #include "server/machine/manual_motion.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 namespace cnc::server {

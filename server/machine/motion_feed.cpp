@@ -259,8 +259,10 @@ Result<void> MotionFeed::push(const motion::Setpoint& setpoint, const motion::Se
                              .wait_for_index = tag.begins_at_index && tag.id != before.tag.id,
                              .spindle_speed = tag.spindle_speed,
                              .change = change};
+  if (before.motor_velocity == Position{} && motors.velocity != Position{}) link_.hold_back();
   if (!send_waiting() || !link_.push(segment))
     return fail(ErrorCode::internal_error, "The link's queue is full; wants_more() was not asked.");
+  if (motors.velocity == Position{}) link_.hand_over();
   history_[next.id % kHistory] = next;
   last_id_ = newest_id_ = next.id;
   commanded_ = setpoint.position;

@@ -61,7 +61,11 @@ class MotionFeed {
   /// At rest, before a motion begins: which axes have to stay within their travel.
   void begin_motion(const AxisArray<bool>& limited);
   /// Sends a setpoint, checked once more. `change` takes effect at the tick at which it begins.
+  /// A motion that begins at rest is held back until it ends at rest, or hand_over(): the board must
+  /// not come to the end of a part of it while the rest is still being planned.
   Result<void> emit(const motion::Setpoint& setpoint, const hal::OutputChange& change = {});
+  /// At the end of each cycle.
+  void hand_over() { link_.hand_over(); }
 
   /// Segments that the board has not begun.
   [[nodiscard]] std::size_t under_way() const;

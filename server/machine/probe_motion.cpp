@@ -1,14 +1,11 @@
 #include "server/machine/probe_motion.h"
 
-#include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "server/job/settings.h"
 #include "server/job/travel_limits.h"
 
 namespace cnc::server {
-namespace {}  // namespace
 
 ProbeMotion::ProbeMotion(const config::MachineConfig& config, MotionFeed& feed)
     : config_(config), feed_(feed), planner_(planner_settings(config), Position{}) {}

@@ -6,6 +6,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <filesystem>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <fstream>
 #include <memory>
@@ -105,7 +106,7 @@ class Bench {
 
   const Client& client() const { return client_; }
   const bench::LinkTap& tap() const { return tap_; }
-  const test::Process& server() const { return server_; }
+  std::filesystem::path data() const { return folder_.file("data"); }
 
   void add_followers(int count) {
     for (int i = 0; i < count; ++i) {
@@ -168,9 +169,9 @@ void measure_holds(const Bench& machine, int count, const char* when) {
   print_percentiles(fmt::format("{}: call to answer, standing", when).c_str(), stands);
 }
 
-int run(const std::string& programs, const bench::Options& options) {
+/// Whether the job ran to the end of the measurement.
+bool measure(Bench& machine, const bench::Options& options) {
   const bool loaded = options["stress"] > 0.0;
-  Bench machine(programs, options);
   fmt::print("{} cores; real-time rights: {}; {} clients; stress-ng: {}; loss {} %, jitter {} ms\n",
              std::thread::hardware_concurrency(),
              must(machine.client().link_statistics()).real_time ? "yes" : "no", options["clients"],
@@ -212,8 +213,34 @@ int run(const std::string& programs, const bench::Options& options) {
              per_second(machine.tap().packets() - packets));
   fmt::print("statuses          {:.0f} per second, all clients\n",
              per_second(machine.statuses() - statuses));
-  if (state != MachineState::running) fmt::print("{}\n", machine.server().err());
-  return state == MachineState::running ? EXIT_SUCCESS : EXIT_FAILURE;
+  return state == MachineState::running;
+}
+
+void print_messages(const Client& client) {
+  for (const Message& message : must(client.messages()))
+    fmt::print("{:%T} {}\n", message.time, message.text);
+}
+
+/// In the current folder: the machine's own is gone with the bench.
+void keep_traces(const std::filesystem::path& folder) {
+  std::error_code none_was_written;
+  for (const auto& trace : std::filesystem::directory_iterator(folder, none_was_written)) {
+    std::filesystem::copy(trace, std::filesystem::current_path());
+    fmt::print("kept: {}\n", trace.path().filename().string());
+  }
+}
+
+int run(const std::string& programs, const bench::Options& options) {
+  Bench machine(programs, options);
+  try {
+    if (measure(machine, options)) return EXIT_SUCCESS;
+  } catch (const std::exception& error) {
+    fmt::print("link_bench: {}\n", error.what());
+  }
+  std::this_thread::sleep_for(std::chrono::seconds(3));  // the trace has what follows, too
+  print_messages(machine.client());
+  keep_traces(machine.data() / "traces");
+  return EXIT_FAILURE;
 }
 
 }  // namespace

@@ -53,6 +53,32 @@ TEST_CASE("What the board has no room for waits, and nothing overtakes it", "[LN
   CHECK(f.link.status().items_done == 5);
 }
 
+TEST_CASE("What is held back goes out together when it is handed over, or is dropped",
+          "[LNK-2][safety]") {
+  Fixture f;
+  f.push_segments(1, 1);
+  f.link.hold_back();
+  f.push_segments(2, 3);
+  f.link.push(SetOutputs{{.spindle_on = true}});
+  f.link.cycle(0.0);
+  CHECK(f.recording.calls == Calls{"segment 1"});
+  CHECK(f.link.status().items_done == 1);
+  SECTION("handed over") {
+    f.link.hand_over();
+    f.push_segments(4, 4);
+    f.link.cycle(0.002);
+    CHECK(f.recording.calls ==
+          Calls{"segment 1", "segment 2", "segment 3", "spindle on", "segment 4"});
+  }
+  SECTION("a quick stop") {
+    f.link.quick_stop();
+    f.push_segments(4, 4);
+    f.link.cycle(0.002);
+    CHECK(f.recording.calls == Calls{"segment 1", "quick stop", "segment 4"});
+  }
+  CHECK(f.link.status().items_done == f.link.pushed());
+}
+
 TEST_CASE("A quick stop overtakes everything, and what it dropped counts as done",
           "[LNK-8][safety]") {
   Fixture f;

@@ -45,6 +45,7 @@ struct DensePath {
     REQUIRE(feed.emit(setpoint));
   }
   void cycle() {
+    feed.hand_over();
     link.cycle(now += 0.002);
     feed.update();
   }
@@ -236,6 +237,48 @@ TEST_CASE("Segments are numbered on where the numbers go round, and 0 is left ou
     CHECK(path.feed.axes_in_motion()[Axis::X]);
   }
   CHECK(path.feed.axes_under_way()[Axis::X]);
+}
+
+TEST_CASE("A motion that begins goes to the board as a whole, or as far as it was planned",
+          "[LNK-2][MOT-1][safety]") {
+  Recording recording;
+  Link link{std::make_unique<RecordingController>(recording)};
+  const config::MachineConfig config = hal::sim::small_machine();
+  MotionFeed feed{link, config};
+  // 0.2 mm/s more with each of them, which no axis minds.
+  const auto go_on = [&](double velocity) {
+    motion::Setpoint setpoint;
+    setpoint.duration = 0.001;
+    setpoint.position = feed.commanded();
+    setpoint.position[Axis::X] += 0.5 * (feed.end_velocity()[Axis::X] + velocity) * 0.001;
+    setpoint.velocity[Axis::X] = velocity;
+    REQUIRE(feed.emit(setpoint));
+  };
+  const auto given = [&] {
+    link.cycle(0.0);
+    return recording.calls.size();
+  };
+  go_on(0.2);
+  go_on(0.4);
+  CHECK(given() == 0);
+  SECTION("as far as it was planned, and then on") {
+    feed.hand_over();
+    CHECK(given() == 2);
+    go_on(0.2);
+    CHECK(given() == 3);
+    go_on(0.0);
+    CHECK(given() == 4);
+  }
+  SECTION("to its end") {
+    go_on(0.2);
+    CHECK(given() == 0);
+    go_on(0.0);
+    CHECK(given() == 4);
+    go_on(0.0);  // a dwell
+    CHECK(given() == 5);
+    go_on(0.2);
+    CHECK(given() == 5);
+  }
 }
 
 TEST_CASE("What another host made the board execute is none of the server's segments", "[LNK-4]") {

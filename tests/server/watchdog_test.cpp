@@ -112,7 +112,7 @@ TEST_CASE("What is under way lasts until the host counts as lost, and for every 
 
 TEST_CASE("Whenever the cable goes while an axis is jogged, the board stops along the path",
           "[LNK-4][MAN-1][MAN-2][safety]") {
-  const Motion& motion = kJogs[GENERATE(range<std::size_t>(0, 8))];
+  const Motion& motion = kJogs[GENERATE(range<std::size_t>(0, kJogs.size()))];
   const double outage = GENERATE(kShortOutage, kLongOutage);
   for (double instant = 0.02; instant < motion.seconds; instant += 0.055) {
     CAPTURE(motion.name, outage, instant);
@@ -151,7 +151,7 @@ TEST_CASE("Whenever the cable goes in a job, the board stops along the path",
       {"exact corners", "G61 F6000\nG1 X60\nY50\nX20\nY10\nX60\nY50\n", slow},
       {"a cut between rapids", "G0 X60\nG1 Y20 F1000\nG0 Y80\nG1 X50 F600\nG0 X5\n", slow},
   };
-  const Job& job = kJobs[GENERATE(range<std::size_t>(0, 6))];
+  const Job& job = kJobs[GENERATE(range<std::size_t>(0, kJobs.size()))];
   const double outage = GENERATE(kShortOutage, kLongOutage);
   for (double instant = 0.05; instant < 2.5; instant += 0.083) {
     CAPTURE(job.name, outage, instant);
@@ -160,6 +160,69 @@ TEST_CASE("Whenever the cable goes in a job, the board stops along the path",
     rig.run_for(instant);
     REQUIRE(rig.state() == State::running);
     require_stop_along_path(rig, outage);
+  }
+}
+
+/// Something that replaces what the board has not begun.
+struct Change {
+  const char* name;
+  std::function<void(Rig&)> begin;
+};
+
+const std::vector<Change> kChanges{
+    {"a hold", [](Rig& rig) { rig.machine.pause([](const Result<void>&) {}); }},
+    {"a resume",
+     [](Rig& rig) {
+       REQUIRE(rig.pause());
+       REQUIRE(rig.machine.resume());
+     }},
+    {"a slower feed", [](Rig& rig) { REQUIRE(rig.machine.set_overrides({.feed = 0.3})); }},
+    {"a quicker feed", [](Rig& rig) { REQUIRE(rig.machine.set_overrides({.feed = 3.0})); }},
+};
+
+const std::vector<std::string> kPaths{
+    "G1 X100 F3000\nX0\n",
+    "G1 X100 F600\nX0\n",
+    "G64 P0.1\nG91\nF4000\nwhile [1 == 1]\nG1 X7 Y4\nX-3 Y-9\nX-4 Y5\nendwhile\n",
+};
+
+TEST_CASE("Whenever the cable goes while the path is replaced, the board stops along the path",
+          "[LNK-4][LNK-8][JOB-8][safety]") {
+  const Change& change = kChanges[GENERATE(range<std::size_t>(0, kChanges.size()))];
+  const std::string& path = kPaths[GENERATE(range<std::size_t>(0, kPaths.size()))];
+  const auto settings = GENERATE(std::vector<std::string>{},
+                                 std::vector<std::string>{"AXIS_X.jerk=5000", "AXIS_Y.jerk=5000"});
+  for (double instant = 0.0; instant < 0.12; instant += 0.01) {
+    CAPTURE(change.name, path, settings, instant);
+    HomedRig rig(settings);
+    REQUIRE(rig.mdi("G0 X20 Y20"));
+    rig.start(path);
+    rig.run_for(0.8);
+    change.begin(rig);
+    rig.run_for(instant);
+    require_stop_along_path(rig, kShortOutage);
+  }
+}
+
+TEST_CASE("A computer that is too busy for the machine while the path is replaced ends no motion",
+          "[LNK-8][JOB-8]") {
+  const Change& change = kChanges[GENERATE(range<std::size_t>(0, kChanges.size()))];
+  const std::string& path = kPaths[GENERATE(range<std::size_t>(0, kPaths.size()))];
+  const auto settings = GENERATE(std::vector<std::string>{},
+                                 std::vector<std::string>{"AXIS_X.jerk=5000", "AXIS_Y.jerk=5000"});
+  for (double instant = 0.0; instant < 0.12; instant += 0.01) {
+    CAPTURE(change.name, path, settings, instant);
+    HomedRig rig(settings);
+    REQUIRE(rig.mdi("G0 X20 Y20"));
+    rig.start(path);
+    rig.run_for(0.8);
+    change.begin(rig);
+    rig.run_for(instant);
+    rig.simulation.starve_machine(0.2);
+    rig.run_for(0.5);
+    INFO(messages_of(rig));
+    CHECK_THAT(messages_of(rig), !Contains("underrun"));
+    CHECK((rig.state() == State::running || rig.state() == State::paused));
   }
 }
 
