@@ -66,7 +66,7 @@ struct AxisConfig {
 struct ConnectionConfig {
   std::string board = "virtual";       ///< hal/cpu5/driver/board_address.h, as the next
   std::string local_address = "auto";  ///< of this computer, on the board's network
-  double host_timeout = 0.1;           ///< s of silence after which the board stops the machine
+  double host_timeout = 0.2;           ///< s of silence after which the board stops the machine
   std::int32_t max_step_frequency = 125'000;  ///< Hz; no axis may need more at its velocity
   double pulse_width = 1.0;                   ///< µs; the pause behind it is as long at least
   double direction_setup = 5.0;               ///< µs from a change of direction to the next pulse

@@ -19,6 +19,7 @@
 #include "api/client.h"
 #include "tests/bench/bench_options.h"
 #include "tests/bench/link_tap.h"
+#include "tests/bench/stall_watch.h"
 #include "tests/config/temporary_directory.h"
 #include "tests/process.h"
 
@@ -191,6 +192,7 @@ bool measure(Bench& machine, const bench::Options& options) {
   if (holds > 0) measure_holds(machine, holds, "under load");
   std::fflush(stdout);
 
+  bench::StallWatch cores;
   must(machine.client().link_statistics(true));
   const std::uint64_t statuses = machine.statuses();
   const std::uint64_t packets = machine.tap().packets();
@@ -209,6 +211,7 @@ bool measure(Bench& machine, const bench::Options& options) {
   fmt::print(
       "cycles            {} of {:.1f} ms; worst lateness {:.2f} ms, longest work {:.2f} ms\n",
       link.cycles, 1e3 * link.cycle_time, 1e3 * link.max_lateness, 1e3 * link.max_work);
+  fmt::print("a core was away   {:.2f} ms at the longest\n", 1e3 * cores.longest());
   fmt::print("packets           {:.0f} per second, both ways\n",
              per_second(machine.tap().packets() - packets));
   fmt::print("statuses          {:.0f} per second, all clients\n",

@@ -347,7 +347,7 @@ TEST_CASE("A caution says which axis a board that hears nothing could not brake 
       // Below a²/j = 400 mm/s the acceleration is never reached: 2 sqrt(100 / 100).
       {"or all of the ramp",
        {"AXIS_X.acceleration=200", "AXIS_X.jerk=100"},
-       {"2.100 s", "2.000 s to brake", "holds 1.28 s"}},
+       {"2.200 s", "2.000 s to brake", "holds 1.28 s"}},
       {"an axis without a motor brakes nothing",
        {"AXIS_X.port=0", "AXIS_X.acceleration=1", "CONNECTION.hostTimeout=0.2"}},
   };

@@ -193,6 +193,7 @@ inline void add_requests(Bytes& bytes, HostFrame& frame) {
   frame.clear_faults = flags % 8 == 2;
   frame.stop_along_path = flags % 8 == 3;
   frame.release_stop = flags % 4 == 2;
+  frame.with_next = flags % 8 == 7;
   frame.has_outputs = (flags & 16U) != 0;
   if (frame.has_outputs) frame.outputs = next_outputs(bytes);
   if ((flags & 32U) != 0) frame.change = next_change(bytes);

@@ -212,6 +212,60 @@ TEST_CASE("A quick stop does not wait for frames that are missing, and voids tho
   CHECK(rig.status(frame_packet(1, 4, frame, 1)).second.fifo_count == 1);
 }
 
+namespace {
+
+/// One that is not to be executed before the next.
+Packet packet_with_next(std::uint32_t sequence, std::uint32_t stops = 0) {
+  HostFrame frame;
+  frame.with_next = true;
+  frame.segment_count = 1;
+  frame.segments[0] = x_segment(sequence, 0.01, sequence);
+  return frame_packet(1, sequence, frame, stops);
+}
+
+}  // namespace
+
+TEST_CASE("Frames that go together are executed when the last of them is here",
+          "[hal][LNK-9][LNK-8]") {
+  Rig rig;
+  rig.answer(hello(1));
+  // In their order, or with the last one first.
+  const bool in_order = GENERATE(true, false);
+  rig.status(in_order ? packet_with_next(1) : segment_packet(3));
+  rig.status(packet_with_next(in_order ? 2 : 1));
+  const auto [numbers, before] = rig.status(poll(1));
+  CHECK(numbers.executed == 0);
+  CHECK(numbers.waiting == (in_order ? 0b01U : 0b10U));
+  CHECK(before.fifo_count == 0);
+  rig.core.advance(ticks(0.5));
+  CHECK(rig.status(poll(1)).second.fifo_count == 0);
+  const auto [all, after] = rig.status(in_order ? segment_packet(3) : packet_with_next(2));
+  CHECK(all.executed == 3);
+  CHECK(after.fifo_count == 3);
+}
+
+TEST_CASE("A quick stop does not wait for the last of the frames that go together",
+          "[hal][LNK-9][LNK-8][safety]") {
+  Rig rig;
+  rig.answer(hello(1));
+  rig.status(segment_packet(1));
+  rig.status(packet_with_next(2));
+  CHECK(rig.status(poll(1)).second.fifo_count == 1);
+  CHECK(rig.status(poll(1, 1)).second.fifo_count == 0);
+  // The host's next frame ends the waiting; nothing of the path comes back with it.
+  CHECK(rig.status(frame_packet(1, 3, HostFrame{}, 1)).first.executed == 3);
+  CHECK(rig.status(poll(1, 1)).second.fifo_count == 0);
+}
+
+TEST_CASE("Frames that go together and fill the window do not wait for one that cannot come",
+          "[hal][LNK-9]") {
+  Rig rig;
+  rig.answer(hello(1));
+  for (std::uint32_t i = 1; i < kFrameWindow; ++i)
+    CHECK(rig.status(packet_with_next(i)).first.executed == 0);
+  CHECK(rig.status(packet_with_next(kFrameWindow)).first.executed == kFrameWindow);
+}
+
 TEST_CASE("A frame that makes no sense is refused and never executed", "[hal][LNK-9]") {
   Rig rig;
   rig.answer(hello(1));

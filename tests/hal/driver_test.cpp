@@ -273,26 +273,63 @@ TEST_CASE("The same job gives the same machine to the bit", "[hal]") {
 
 namespace {
 
-/// A board that takes everything and remembers how it was set up.
-class SetupCatcher : public cpu5::BoardPort {
+/// A board that takes everything and remembers what it was told.
+struct Told {
+  cpu5::firmware::Setup setup;
+  std::vector<cpu5::firmware::HostFrame> frames;
+  std::uint32_t window = 100;  ///< frames in one exchange
+};
+
+class Listener : public cpu5::BoardPort {
  public:
-  explicit SetupCatcher(cpu5::firmware::Setup& setup) : setup_(setup) {}
+  explicit Listener(Told& told) : told_(told) {}
   Result<cpu5::wire::Identity> open(const cpu5::firmware::Setup& setup) override {
-    setup_ = setup;
-    return cpu5::wire::Identity{.max_step_frequency = 500'000, .fifo_capacity = 256};
+    told_.setup = setup;
+    answer_.identity = {.max_step_frequency = 500'000, .fifo_capacity = 256};
+    answer_.connected = true;
+    answer_.greetings = 1;
+    answer_.status.fifo_free = 256;
+    return answer_.identity;
   }
   void close() override {}
-  [[nodiscard]] bool ready() const override { return true; }
-  void send(const cpu5::firmware::HostFrame&) override {}
-  [[nodiscard]] std::uint64_t frames_sent() const override { return 0; }
+  [[nodiscard]] std::uint32_t room() const override { return told_.window - in_exchange_; }
+  void send(const cpu5::firmware::HostFrame& frame) override {
+    told_.frames.push_back(frame);
+    ++in_exchange_;
+  }
+  [[nodiscard]] std::uint64_t frames_sent() const override { return told_.frames.size(); }
   void quick_stop() override {}
   void receive(double) override {}
-  const cpu5::BoardAnswer& exchange() override { return answer_; }
+  const cpu5::BoardAnswer& exchange() override {
+    in_exchange_ = 0;
+    answer_.frames_done = told_.frames.size();
+    return answer_;
+  }
 
  private:
-  cpu5::firmware::Setup& setup_;
+  Told& told_;
+  std::uint32_t in_exchange_ = 0;
   cpu5::BoardAnswer answer_;
 };
+
+/// Segments of so many seconds that go on to the next with `velocity`.
+void push(Controller& driver, int count, double duration, double velocity) {
+  for (int i = 0; i < count; ++i) {
+    static std::uint32_t id = 0;
+    Segment segment{.id = ++id, .duration = duration};
+    segment.velocity[Axis::X] = velocity;
+    REQUIRE(driver.push({&segment, 1}) == 1);
+  }
+}
+
+/// Of the frames of the last exchange those that go together with the next, as "+", others as "|".
+std::string groups(Told& told, Controller& driver) {
+  told.frames.clear();
+  driver.exchange(0.0);
+  std::string result;
+  for (const auto& frame : told.frames) result += frame.with_next ? '+' : '|';
+  return result;
+}
 
 }  // namespace
 
@@ -304,13 +341,60 @@ TEST_CASE("The pulses that the drives need are set up in the board", "[hal][LNK-
   config.axes[Axis::X].step_active_low = true;
   config.axes[Axis::Z].step_active_low = true;
   config.axes[Axis::Y].direction_active_low = true;
-  cpu5::firmware::Setup setup;
-  cpu5::Cpu5Driver driver(config, {}, std::make_unique<SetupCatcher>(setup));
+  Told told;
+  cpu5::Cpu5Driver driver(config, {}, std::make_unique<Listener>(told));
   REQUIRE(driver.connect());
+  const cpu5::firmware::Setup& setup = told.setup;
   // Ticks of 0.1 µs; X is the lowest bit.
   CHECK(setup.pulse_width == 12);
   CHECK(setup.direction_setup == 33);
   CHECK(setup.direction_hold == 0);
   CHECK(setup.step_inverted == 0b101);
   CHECK(setup.direction_inverted == 0b010);
+}
+
+TEST_CASE("The start of a path goes together as far as it is short", "[hal][LNK-2][LNK-8][LNK-9]") {
+  Told told;
+  cpu5::Cpu5Driver driver(small_machine(), {}, std::make_unique<Listener>(told));
+  REQUIRE(driver.connect());
+  SECTION("until it lasts 50 ms: 3 frames of 13 segments, and 11 of the fourth") {
+    push(driver, 80, 0.001, 1.0);
+    CHECK(groups(told, driver) == "+++||||");
+    SECTION("what follows a path that has begun is sent as it comes") {
+      push(driver, 40, 0.001, 1.0);
+      CHECK(groups(told, driver) == "||||");
+    }
+    SECTION("nor does it matter how a path ends") {
+      push(driver, 20, 0.001, 1.0);
+      push(driver, 20, 0.001, 0.0);
+      CHECK(groups(told, driver) == "||||");
+      push(driver, 40, 0.001, 1.0);
+      CHECK(groups(told, driver) == "+++|");
+    }
+    SECTION("behind a cut it begins anew") {
+      driver.cut_behind(40);
+      push(driver, 40, 0.001, 1.0);
+      CHECK(groups(told, driver) == "+++|");
+    }
+    SECTION("and behind a quick stop") {
+      driver.quick_stop();
+      push(driver, 40, 0.001, 1.0);
+      CHECK(groups(told, driver) == "+++|");
+    }
+  }
+  SECTION("segments of 5 ms need not") {
+    push(driver, 40, 0.005, 1.0);
+    CHECK(groups(told, driver) == "||||");
+  }
+  SECTION("a path that comes to rest is whole") {
+    push(driver, 12, 0.001, 1.0);
+    push(driver, 1, 0.001, 0.0);
+    push(driver, 13, 0.001, 1.0);
+    CHECK(groups(told, driver) == "||");
+  }
+  SECTION("never with a frame for which there is no room") {
+    told.window = 2;
+    push(driver, 40, 0.001, 1.0);
+    CHECK(groups(told, driver) == "+|");
+  }
 }

@@ -61,6 +61,7 @@ firmware::HostFrame random_frame(std::mt19937& random) {
   frame.release_stop = random() % 2 == 0;
   for (auto& request : frame.latch) request = static_cast<firmware::LatchRequest>(random() % 4);
   frame.probe = static_cast<firmware::ProbeRequest>(random() % 3);
+  frame.with_next = random() % 2 == 0;
   frame.has_outputs = random() % 2 == 0;
   frame.outputs = random_outputs(random);
   if (random() % 2 == 0) frame.change = random_change(random);

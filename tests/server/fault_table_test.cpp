@@ -177,9 +177,8 @@ void set_card_input(FaultRig& rig, int port) {
 }
 
 constexpr std::array kFaults{
-    Fault{"cable out for 0.08 s", Fate::goes_on, pull_cable, 0.08, plug_cable},
-    Fault{"cable out for 0.12 s", Fate::may_end, pull_cable, 0.12, plug_cable},
-    Fault{"cable out for 0.2 s", Fate::ends, pull_cable, 0.2, plug_cable},
+    Fault{"cable out for 0.16 s", Fate::goes_on, pull_cable, 0.16, plug_cable},
+    Fault{"cable out for 0.22 s", Fate::may_end, pull_cable, 0.22, plug_cable},
     Fault{"cable out for 0.3 s", Fate::ends, pull_cable, 0.3, plug_cable},
     Fault{"cable out for 1 s", Fate::ends, pull_cable, 1.0, plug_cable},
     Fault{"cable out for good", Fate::ends, pull_cable},
@@ -243,9 +242,9 @@ constexpr std::array kFaults{
           [](FaultRig& rig) { rig.bench().raise_external_error(true); }},
 };
 
-// A board that hears nothing waits for 0.1 s and then brakes, for 0.2 s at the most.
-constexpr double kSilent = 0.1;
-constexpr double kBraked = 0.3;
+// A board that hears nothing waits for 0.2 s and then brakes, for 0.2 s at the most.
+constexpr double kSilent = 0.2;
+constexpr double kBraked = 0.4;
 
 constexpr Fault fault_of(std::string_view name) {
   for (const Fault& row : kFaults)
@@ -254,7 +253,7 @@ constexpr Fault fault_of(std::string_view name) {
 }
 
 constexpr Fault kCableOut = fault_of("cable out for good");
-constexpr Fault kCableLoose = fault_of("cable out for 0.08 s");
+constexpr Fault kCableLoose = fault_of("cable out for 0.16 s");
 constexpr Fault kCableBack = fault_of("cable out for 0.3 s");
 constexpr Fault kCableLate = fault_of("cable out for 1 s");
 constexpr Fault kEstop = fault_of("emergency stop, channel 1");

@@ -34,8 +34,8 @@ class BoardPort {
 
   // Real-time: no allocation, no lock, no waiting.
 
-  /// Whether send() takes a frame now: there is room, and a board.
-  [[nodiscard]] virtual bool ready() const = 0;
+  /// Frames that send() takes now; 0 without a board.
+  [[nodiscard]] virtual std::uint32_t room() const = 0;
   /// Delivers `frame` exactly once, after those before it, as long as the link lasts.
   virtual void send(const firmware::HostFrame& frame) = 0;
   [[nodiscard]] virtual std::uint64_t frames_sent() const = 0;

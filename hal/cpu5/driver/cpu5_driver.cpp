@@ -149,18 +149,37 @@ const ControllerStatus& Cpu5Driver::exchange(double now) {
   return status_;
 }
 
-/// As many as the line takes; the others move up.
+/// As many as the line takes; the others move up. Where a path begins that is short in the first of
+/// them, the board must not begin with it and then wait for the next, which may be lost and sent
+/// again.
 void Cpu5Driver::send_frames() {
   std::size_t sent = 0;
-  while (sent < outbox_count_ && port_->ready()) {
-    on_their_way_[(port_->frames_sent() + 1) % kMostOnTheirWay] = summary_of(outbox_[sent]);
-    port_->send(outbox_[sent++]);
+  while (sent < outbox_count_ && port_->room() > 0) {
+    firmware::HostFrame& frame = outbox_[sent++];
+    const bool next_goes_too = sent < outbox_count_ && port_->room() > 1;
+    frame.with_next = start_is_short_behind(frame) && next_goes_too;
+    on_their_way_[(port_->frames_sent() + 1) % kMostOnTheirWay] = summary_of(frame);
+    port_->send(frame);
   }
   if (sent == outbox_count_) return empty_outbox();
   if (sent == 0) return;
   std::copy(outbox_.begin() + static_cast<std::ptrdiff_t>(sent),
             outbox_.begin() + static_cast<std::ptrdiff_t>(outbox_count_), outbox_.begin());
   outbox_count_ -= sent;
+}
+
+/// Whether the path that has begun with a standstill or a cut lasts less than a round trip or two
+/// at the end of `frame`, and goes on.
+bool Cpu5Driver::start_is_short_behind(const firmware::HostFrame& frame) {
+  constexpr firmware::Ticks kLongEnough = firmware::kTicksPerSecond / 20;
+  for (std::uint32_t i = 0; i < frame.segment_count; ++i) {
+    const firmware::Segment& segment = frame.segments[i];
+    const bool behind_cut = frame.has_cut && i == frame.segments_before_cut;
+    if (path_ends_at_rest_ || behind_cut) begun_path_ = 0;
+    begun_path_ += segment.duration;
+    path_ends_at_rest_ = segment.velocity == firmware::PerAxis<firmware::StepVelocity>{};
+  }
+  return !path_ends_at_rest_ && begun_path_ < kLongEnough;
 }
 
 void Cpu5Driver::empty_outbox() {
@@ -195,6 +214,7 @@ void Cpu5Driver::begin_session(const BoardAnswer& answer) {
   fifo_capacity_ = answer.identity.fifo_capacity;
   empty_outbox();
   clock_.reset();
+  path_ends_at_rest_ = true;
   latch_frame_ = {};
   probe_frame_ = clear_frame_ = 0;
   status_.sessions = greetings_;
@@ -345,6 +365,7 @@ void Cpu5Driver::drop_segments() {
   asked().segment_count = 0;
   asked().has_cut = false;
   clock_.reset();
+  path_ends_at_rest_ = true;
 }
 
 bool Cpu5Driver::set_position(Axis axis, double position) {

@@ -84,6 +84,7 @@ class Cpu5Driver : public Controller {
   [[nodiscard]] firmware::HostFrame& last_frame() { return outbox_[outbox_count_ - 1]; }
   bool begin_frame();
   void send_frames();
+  [[nodiscard]] bool start_is_short_behind(const firmware::HostFrame& frame);
   void empty_outbox();
   void take(const BoardAnswer& answer);
   void begin_session(const BoardAnswer& answer);
@@ -111,6 +112,8 @@ class Cpu5Driver : public Controller {
   std::size_t outbox_count_ = 1;
   OutputChange change_{};  // that goes out with it
   bool has_requests_ = false;
+  bool path_ends_at_rest_ = true;                       // as sent
+  firmware::Ticks begun_path_ = 0;                      // sent since it began
   std::array<OnItsWay, kMostOnTheirWay> on_their_way_;  // by number
   firmware::Status board_;                              // as last heard
   std::uint32_t greetings_ = 0;

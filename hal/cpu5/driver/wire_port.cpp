@@ -189,7 +189,9 @@ void WirePort::lose_link() {
 
 // --- frames --------------------------------------------------------------------------------------
 
-bool WirePort::ready() const { return state_ == State::running && on_their_way() < window_; }
+std::uint32_t WirePort::room() const {
+  return state_ == State::running ? window_ - on_their_way() : 0;
+}
 
 void WirePort::send(const firmware::HostFrame& frame) {
   Sent& sent = frames_[++sequence_ % kWindow];

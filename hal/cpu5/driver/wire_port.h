@@ -34,7 +34,7 @@ class WirePort : public BoardPort {
   Result<void> begin(const firmware::Setup& setup);
   Result<wire::Identity> open(const firmware::Setup& setup) override;
   void close() override;
-  [[nodiscard]] bool ready() const override;
+  [[nodiscard]] std::uint32_t room() const override;
   void send(const firmware::HostFrame& frame) override;
   [[nodiscard]] std::uint64_t frames_sent() const override { return frames_sent_; }
   void quick_stop() override;

@@ -136,14 +136,27 @@ bool BoardLink::take_frame(const FrameNumbers& numbers, ByteReader& body) {
 }
 
 void BoardLink::execute_in_order() {
-  for (;;) {
-    WaitingFrame& next = waiting_[(executed_ + 1) % kFrameWindow];
-    if (!next.here) return;
-    next.here = false;
-    ++executed_;
-    if (next.stops != stops_) next.frame.drop_path_and_outputs();
-    execute(next.frame, core_);
+  while (group_is_here()) {
+    bool goes_on = true;
+    while (goes_on) {
+      WaitingFrame& next = next_frame();
+      next.here = false;
+      ++executed_;
+      if (next.stops != stops_) next.frame.drop_path_and_outputs();
+      execute(next.frame, core_);
+      goes_on = next.frame.with_next && next_frame().here;
+    }
   }
+}
+
+/// The next frame, and all that it has to be executed with. More than the window holds never come.
+bool BoardLink::group_is_here() const {
+  for (std::uint32_t i = 1; i <= kFrameWindow; ++i) {
+    const WaitingFrame& waiting = waiting_[(executed_ + i) % kFrameWindow];
+    if (!waiting.here) return false;
+    if (!waiting.frame.with_next) return true;
+  }
+  return true;
 }
 
 wire::StatusNumbers BoardLink::numbers_of_answer(std::uint32_t stamp) {

@@ -45,6 +45,8 @@ class BoardLink {
   void take_stop(std::uint32_t stops);
   [[nodiscard]] bool take_frame(const wire::FrameNumbers& numbers, wire::ByteReader& body);
   void execute_in_order();
+  [[nodiscard]] WaitingFrame& next_frame() { return waiting_[(executed_ + 1) % kFrameWindow]; }
+  [[nodiscard]] bool group_is_here() const;
   [[nodiscard]] wire::Identity identity() const;
   [[nodiscard]] wire::StatusNumbers numbers_of_answer(std::uint32_t stamp);
 

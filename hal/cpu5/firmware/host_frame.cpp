@@ -42,6 +42,7 @@ void HostFrame::reset() {
   stop_along_path = false;
   latch = {};
   probe = ProbeRequest::none;
+  with_next = false;
   drop_path_and_outputs();
 }
 

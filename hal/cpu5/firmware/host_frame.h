@@ -21,6 +21,7 @@ struct HostFrame {
   bool stop_along_path = false;
   PerAxis<LatchRequest> latch{};
   ProbeRequest probe = ProbeRequest::none;
+  bool with_next = false;    ///< not before the next frame is here, too
   bool has_outputs = false;  ///< `outputs` counts; else they stay as they are
   Outputs outputs;
   OutputChange change;  ///< at once, behind `outputs`; may be empty

@@ -340,7 +340,7 @@ void get_segment(ByteReader& body, Segment& segment, const Segment* before) {
 
 void put_frame(ByteWriter& body, const HostFrame& frame) {
   put_bits(body, frame.quick_stop, frame.clear_faults, frame.release_stop, frame.stop_along_path,
-           frame.has_outputs, frame.has_cut, !frame.change.empty());
+           frame.has_outputs, frame.has_cut, !frame.change.empty(), frame.with_next);
   for (const LatchRequest request : frame.latch) body.put(static_cast<std::uint8_t>(request));
   body.put(static_cast<std::uint8_t>(frame.probe));
   if (frame.has_outputs) put_outputs(body, frame.outputs);
@@ -358,7 +358,7 @@ void put_frame(ByteWriter& body, const HostFrame& frame) {
 bool get_frame(ByteReader& body, HostFrame& frame) {
   bool has_change = false;
   get_bits(body, frame.quick_stop, frame.clear_faults, frame.release_stop, frame.stop_along_path,
-           frame.has_outputs, frame.has_cut, has_change);
+           frame.has_outputs, frame.has_cut, has_change, frame.with_next);
   for (LatchRequest& request : frame.latch) request = get_one_of<LatchRequest>(body, 4);
   frame.probe = get_one_of<ProbeRequest>(body, 3);
   if (frame.has_outputs) get_outputs(body, frame.outputs);
