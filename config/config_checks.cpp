@@ -85,9 +85,9 @@ Finding check_home_position(const MachineConfig& config, Axis axis) {
       std::nullopt};
 }
 
-/// s of motion that the board holds at the most: its FIFO has 256 segments (hal/cpu5/PROTOCOL.md).
+/// s of motion that the board holds at the most: its FIFO has 1024 segments (hal/cpu5/PROTOCOL.md).
 double motion_held(const MachineConfig& config) {
-  return 256.0 * config.trajectory.interpolation_time;
+  return 1024.0 * config.trajectory.interpolation_time;
 }
 
 /// A board that hears nothing for hostTimeout stops along the motion that it holds. Where the plan
@@ -104,7 +104,7 @@ Finding check_way_to_brake(const MachineConfig& config, Axis axis) {
   return Error{
       ErrorCode::config_way_to_brake_short,
       fmt::format("{} and {}: a board that no longer hears the server would need {:.3f} s of "
-                  "motion, {} s of silence and {:.3f} s to brake, and holds {:.3g} s, 256 times "
+                  "motion, {} s of silence and {:.3f} s to brake, and holds {:.3g} s, 1024 times "
                   "interpolationTime. It would stop at once, and the position be in doubt; the "
                   "acceleration or interpolationTime should be higher, or the velocity or "
                   "hostTimeout lower.",
@@ -151,7 +151,7 @@ Finding check_pulse_width(const MachineConfig& config, Axis) {
 Finding check_host_timeout(const MachineConfig& config, Axis) {
   if (config.connection.host_timeout < motion_held(config)) return std::nullopt;
   return Error{ErrorCode::config_host_timeout_too_long,
-               fmt::format("{} must be less than {:.3g} s, 256 times {}: what the board still has "
+               fmt::format("{} must be less than {:.3g} s, 1024 times {}: what the board still has "
                            "is its way to brake.",
                            shown(config, "CONNECTION", "hostTimeout"), motion_held(config),
                            shown(config, "TRAJECTORY", "interpolationTime")),

@@ -94,7 +94,7 @@ constexpr std::array kGeneralRows{
             .help = "Address of this computer from which the board is reached by UDP: 172.22.2.101, or with a port 172.22.2.101:5006; auto: whatever leads to the board, and any free port. The server waits until the computer has that address.",
             .access = kOf<&MachineConfig::connection, &ConnectionConfig::local_address>},
     Setting{.section = "CONNECTION", .key = "hostTimeout", .unit = second, .min = 0.02, .max = 10,
-            .help = "A board that has not heard the server for so long stops the machine along its path; hostTimeout and velocity / acceleration of each axis should fit into 256 times interpolationTime.",
+            .help = "A board that has not heard the server for so long stops the machine along its path; hostTimeout and velocity / acceleration of each axis should fit into 1024 times interpolationTime.",
             .access = kOf<&MachineConfig::connection, &ConnectionConfig::host_timeout>},
     Setting{.section = "CONNECTION", .key = "maxStepFrequency", .type = choice, .unit = hertz, .choices = kStepFrequencyChoices,
             .help = "Highest step frequency that the board sends to a drive; lower it for drives that cannot follow.",

@@ -317,9 +317,9 @@ TEST_CASE("A text may stand in quotes, and has none inside", "[CFG-1][LNK-1]") {
 }
 
 TEST_CASE("A silent host is missed while the board still has a way to brake", "[CFG-1][LNK-4]") {
-  CHECK(parse_machine_config("[CONNECTION]\nhostTimeout = 1.27\n", "cnc.ini"));
-  check_refusal("[CONNECTION]\nhostTimeout = 1.28\n", ErrorCode::config_host_timeout_too_long, 2,
-                {"less than 1.28 s", "interpolationTime = 0.005"});
+  CHECK(parse_machine_config("[CONNECTION]\nhostTimeout = 5.11\n", "cnc.ini"));
+  check_refusal("[CONNECTION]\nhostTimeout = 5.12\n", ErrorCode::config_host_timeout_too_long, 2,
+                {"less than 5.12 s", "interpolationTime = 0.005"});
 }
 
 TEST_CASE("A caution says which axis a board that hears nothing could not brake along its motion",
@@ -329,25 +329,25 @@ TEST_CASE("A caution says which axis a board that hears nothing could not brake 
     std::vector<std::string> settings;
     std::vector<std::string> caution{};  // parts of the message; none: no caution
   };
-  // X makes 100 mm/s; 256 segments of 2.5 ms are 0.64 s.
+  // X makes 100 mm/s; 1024 segments of 2.5 ms are 2.56 s.
   static const Row kRows[]{
-      {"0.14 s of silence and 0.5 s to brake",
-       {"AXIS_X.acceleration=200", "CONNECTION.hostTimeout=0.14",
+      {"2.06 s of silence and 0.5 s to brake",
+       {"AXIS_X.acceleration=200", "CONNECTION.hostTimeout=2.06",
         "TRAJECTORY.interpolationTime=0.0025"}},
-      {"that is more than 0.62 s",
-       {"AXIS_X.acceleration=200", "CONNECTION.hostTimeout=0.15",
+      {"that is more than 2.56 s",
+       {"AXIS_X.acceleration=200", "CONNECTION.hostTimeout=2.07",
         "TRAJECTORY.interpolationTime=0.0025"},
-       {"[AXIS_X] velocity = 100 mm/s", "acceleration = 200 mm/s²", "0.650 s", "holds 0.64 s",
+       {"[AXIS_X] velocity = 100 mm/s", "acceleration = 200 mm/s²", "2.570 s", "holds 2.56 s",
         "the acceleration or interpolationTime should be higher, or the velocity or hostTimeout "
         "lower"}},
       {"a limit of jerk adds 200 / 4000 s",
-       {"AXIS_X.acceleration=200", "AXIS_X.jerk=4000", "CONNECTION.hostTimeout=0.14",
+       {"AXIS_X.acceleration=200", "AXIS_X.jerk=4000", "CONNECTION.hostTimeout=2.06",
         "TRAJECTORY.interpolationTime=0.0025"},
-       {"0.690 s", "0.550 s to brake"}},
-      // Below a²/j = 400 mm/s the acceleration is never reached: 2 sqrt(100 / 100).
+       {"2.610 s", "0.550 s to brake"}},
+      // Below a²/j = 4000 mm/s the acceleration is never reached: 2 sqrt(100 / 10).
       {"or all of the ramp",
-       {"AXIS_X.acceleration=200", "AXIS_X.jerk=100"},
-       {"2.200 s", "2.000 s to brake", "holds 1.28 s"}},
+       {"AXIS_X.acceleration=200", "AXIS_X.jerk=10"},
+       {"6.525 s", "6.325 s to brake", "holds 5.12 s"}},
       {"an axis without a motor brakes nothing",
        {"AXIS_X.port=0", "AXIS_X.acceleration=1", "CONNECTION.hostTimeout=0.2"}},
   };

@@ -264,25 +264,25 @@ TEST_CASE("In one exchange come the rest of the old path, the cut and a whole FI
   };
   std::uint32_t id = 0;
   for (; controller->free_segments() > 0; ++id) REQUIRE(push(id + 1, id + 1));
-  CHECK(id == 256);
+  CHECK(id == cpu5::firmware::kFifoCapacity);
   controller->exchange(0.0);
   controller->exchange(0.05);  // the first is begun: room for one
-  REQUIRE(push(257, 257));
-  controller->cut_behind(257);
+  REQUIRE(push(id + 1, id + 1));
+  controller->cut_behind(id + 1);
   CHECK(controller->free_segments() == 0);
-  controller->cut_behind(3);  // 2 and 3 stay waiting, 257 goes
-  CHECK(controller->free_segments() == 254);
+  controller->cut_behind(3);  // 2 and 3 stay waiting, the last goes
+  CHECK(controller->free_segments() == id - 2);
   std::uint32_t taken = 0;
-  for (; push(300 + taken, 3.0 - 0.01 * (taken + 1)); ++taken) {
+  for (; push(id + 2 + taken, 3.0 - 0.005 * (taken + 1)); ++taken) {
   }
-  CHECK(taken == 254);
+  CHECK(taken == id - 2);
   CHECK(controller->exchange(0.05).faults == 0);
   const auto& status = controller->exchange(0.05);
   CHECK_FALSE(status.cut_late);
-  CHECK(status.fifo_count == 256);
+  CHECK(status.fifo_count == id);
   double now = 0.05;
   while (controller->exchange(now += 0.2).moving) {
   }
   CHECK(controller->exchange(now).faults == 0);
-  CHECK(controller->exchange(now).position[Axis::X] == Approx(3.0 - 2.54).margin(1e-9));
+  CHECK(controller->exchange(now).position[Axis::X] == Approx(3.0 - 0.005 * (id - 2)).margin(1e-9));
 }

@@ -6,6 +6,7 @@
 using namespace cnc;
 using namespace cnc::hal;
 using namespace cnc::hal::sim;
+using cpu5::firmware::kFifoCapacity;
 
 namespace {
 
@@ -25,10 +26,10 @@ TEST_CASE("connect tells what the board can do", "[hal][LNK-2][LNK-3]") {
   CHECK(controller->free_segments() == 0);
   const auto capabilities = controller->connect();
   REQUIRE(capabilities);
-  CHECK(capabilities->fifo_capacity == 256);
+  CHECK(capabilities->fifo_capacity == kFifoCapacity);
   CHECK(capabilities->max_step_frequency == 400e3);
   CHECK(capabilities->min_segment_duration == Approx(10e-6));
-  CHECK(controller->free_segments() == 256);
+  CHECK(controller->free_segments() == kFifoCapacity);
 }
 
 TEST_CASE("A velocity that needs more steps than the board makes is an error at setup time",
@@ -103,23 +104,23 @@ TEST_CASE("An axis without a port is counted like the others, so a job does not 
 TEST_CASE("push takes what fits and says how much", "[hal][LNK-2]") {
   const auto controller = controller_at_zero();
   Hand hand(*controller);
-  std::vector<Segment> segments(300);
-  for (std::uint32_t i = 0; i < 300; ++i) {
+  std::vector<Segment> segments(kFifoCapacity + 50);
+  for (std::uint32_t i = 0; i < segments.size(); ++i) {
     segments[i] = {.id = i + 1, .duration = 0.005};
-    segments[i].position[Axis::X] = 0.05 * (i + 1);
+    segments[i].position[Axis::X] = 0.02 * (i + 1);
   }
-  CHECK(controller->push(segments) == 256);
+  CHECK(controller->push(segments) == kFifoCapacity);
   CHECK(controller->free_segments() == 0);
   CHECK(controller->push(segments) == 0);
   const ControllerStatus filled = hand.status();
-  CHECK(filled.fifo_count == 256);
-  CHECK(filled.fifo_time == Approx(256 * 0.005));
+  CHECK(filled.fifo_count == kFifoCapacity);
+  CHECK(filled.fifo_time == Approx(kFifoCapacity * 0.005));
   hand.wait(0.0125);
   CHECK(controller->free_segments() == 3);
-  CHECK(controller->push(std::span(segments).subspan(256)) == 3);
-  for (int i = 0; i < 14; ++i) hand.wait(0.1);  // 259 segments take 1.295 s
+  CHECK(controller->push(std::span(segments).subspan(kFifoCapacity)) == 3);
+  for (int i = 0; i < 53; ++i) hand.wait(0.1);  // 1027 segments take 5.135 s
   CHECK(hand.status().faults == 0);
-  CHECK(hand.status().position[Axis::X] == Approx(259 * 0.05));
+  CHECK(hand.status().position[Axis::X] == Approx((kFifoCapacity + 3) * 0.02));
 }
 
 TEST_CASE("set_position renames the count exactly, also between two steps", "[hal][HOM-2]") {

@@ -106,7 +106,7 @@ TEST_CASE("After a touch nothing is taken until the stop is released, then the r
   CHECK(probing.controller->free_segments() == 0);
   CHECK(probing.controller->push({&back, 1}) == 0);
   probing.controller->release_stop();
-  CHECK(probing.controller->free_segments() == 256);
+  CHECK(probing.controller->free_segments() == cpu5::firmware::kFifoCapacity);
   REQUIRE(probing.controller->push({&back, 1}) == 1);
   probing.hand.status();
   probing.hand.wait(0.1);

@@ -189,21 +189,21 @@ TEST_CASE("A rule that is true already when the board is connected is told", "[C
 
 TEST_CASE("A hold while a guard brakes along more segments than the board holds starves no path",
           "[CFG-16][LNK-5][LNK-8][safety]") {
-  // At 30 mm/s^2 braking from 50 mm/s takes 1.67 s and 0.83 s of path time, the board's 256
-  // segments of 2.5 ms last for 0.64 s, and 2 s are sent.
+  // At 8 mm/s^2 braking from 50 mm/s takes 6.25 s and 3.13 s of path time, the board's 1024
+  // segments of 2.5 ms last for 2.56 s, and the 6.5 s of MotionFeed::lead() are sent.
   for (const int ms : {-6, -4, -2, 0, 2, 5, 20, 200}) {
     CAPTURE(ms);
-    GuardedRig rig(config::GuardAction::smooth_stop, false,
-                   {"AXIS_X.acceleration=30", "AXIS_X.velocity=50", "TRAJECTORY.fifoTime=2",
-                    "TRAJECTORY.interpolationTime=0.0025"},
-                   0.001);
+    GuardedRig rig(
+        config::GuardAction::smooth_stop, false,
+        {"AXIS_X.acceleration=8", "AXIS_X.velocity=50", "TRAJECTORY.interpolationTime=0.0025"},
+        0.001);
     rig.simulation.virtual_controller().trouble().delay = 0.004;
     REQUIRE(rig.reset());
     rig.start("G1 X400 F3000\nX0\n");
-    REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 100.0; }, 10.0));
+    REQUIRE(rig.becomes([&] { return rig.position()[Axis::X] > 160.0; }, 10.0));
     const double guard_at = rig.simulation.time() + 0.02;
     bool acted = false;
-    while (rig.simulation.time() < guard_at + 2.0) {
+    while (rig.simulation.time() < guard_at + 7.0) {
       if (rig.simulation.time() >= guard_at) rig.set_input(true);
       if (!std::exchange(acted, acted || rig.simulation.time() >= guard_at + 0.001 * ms) && acted)
         rig.machine.pause([](const Result<void>&) {});

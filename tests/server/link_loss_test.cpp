@@ -234,7 +234,7 @@ TEST_CASE("Jobs that are held and go on come through a cable that loses and dela
   const char* const chords =
       "G64 P0.01 F3000\n#1=0\nwhile [1 == 1]\nG1 X[40 + 10 * cos[#1]] Y[40 + 10 * sin[#1]]\n"
       "#1=[#1 + 0.7]\nendwhile\n";
-  // A board's FIFO is full of them in 80 ms: later than that no packet may come.
+  // Segments of a quarter of a millisecond: with jitter the window of 8 frames is too few of them.
   const char* const corners =
       "G64 P0.01 G91 F3000\nwhile [1 == 1]\nG1 X0.05 Y0.01\nX0.02 Y0.05\nX-0.06\nX0.01 Y-0.05\n"
       "X-0.02\nY-0.01\nendwhile\n";

@@ -69,7 +69,8 @@ namespace cnc::hal::cpu5::firmware {
 
 class SliceSteps;
 
-inline constexpr std::uint32_t kFifoCapacity = 256;
+/// A quarter of a second even of the shortest segments, 0.25 ms, which tight corners are made of.
+inline constexpr std::uint32_t kFifoCapacity = 1024;
 /// In each slice the scale goes this part of its way to the measured ratio: 6.4 ms time constant.
 inline constexpr TimeScale kFollowSmoothing = 64;
 
