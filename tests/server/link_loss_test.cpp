@@ -234,12 +234,16 @@ TEST_CASE("Jobs that are held and go on come through a cable that loses and dela
   const char* const chords =
       "G64 P0.01 F3000\n#1=0\nwhile [1 == 1]\nG1 X[40 + 10 * cos[#1]] Y[40 + 10 * sin[#1]]\n"
       "#1=[#1 + 0.7]\nendwhile\n";
-  // Segments of a quarter of a millisecond: with jitter the window of 8 frames is too few of them.
+  // Segments of a quarter of a millisecond.
   const char* const corners =
       "G64 P0.01 G91 F3000\nwhile [1 == 1]\nG1 X0.05 Y0.01\nX0.02 Y0.05\nX-0.06\nX0.01 Y-0.05\n"
       "X-0.02\nY-0.01\nendwhile\n";
-  const auto [program, trouble] = GENERATE_COPY(values<Row>(
-      {{arcs, kLoss}, {arcs, kJitter}, {chords, kLoss}, {chords, kJitter}, {corners, kLoss}}));
+  const auto [program, trouble] = GENERATE_COPY(values<Row>({{arcs, kLoss},
+                                                             {arcs, kJitter},
+                                                             {chords, kLoss},
+                                                             {chords, kJitter},
+                                                             {corners, kLoss},
+                                                             {corners, kJitter}}));
   CAPTURE(program, trouble.loss, trouble.jitter);
   SimulationOptions options = at_zero();
   options.period = 0.002;

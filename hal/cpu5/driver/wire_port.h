@@ -42,7 +42,7 @@ class WirePort : public BoardPort {
   const BoardAnswer& exchange() override;
 
  private:
-  static constexpr std::uint32_t kWindow = 8;
+  static constexpr std::uint32_t kWindow = 32;
 
   enum class State : std::uint8_t { closed, greeting, running };
 

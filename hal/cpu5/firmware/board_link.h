@@ -11,8 +11,8 @@
 
 namespace cnc::hal::cpu5::firmware {
 
-/// Frames that may be on their way at the same time.
-inline constexpr std::uint32_t kFrameWindow = 8;
+/// Frames that may be on their way at the same time: 416 segments, 0.1 s of the shortest.
+inline constexpr std::uint32_t kFrameWindow = 32;
 
 /// What tells one board from another.
 struct BoardName {
