@@ -103,7 +103,7 @@ class Run {
   /// Frames come early, doubled and out of order; some ask for a quick stop that overtakes others.
   void put_frame_or_poll(wire::PacketType type, wire::ByteWriter& body) {
     const auto order = bytes_.byte();
-    const std::uint32_t ahead = order < 192 ? 1 : order % 12U;
+    const std::uint32_t ahead = order < 192 ? 1 : order % 36U;
     if (bytes_.below(32) == 31) ++stops_;
     const bool is_frame = type == wire::PacketType::frame;
     wire::put_numbers(body, {.sequence = is_frame ? executed_ + ahead : 0,

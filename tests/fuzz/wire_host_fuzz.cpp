@@ -54,7 +54,7 @@ class MadBoard final : public PacketChannel {
       require(wire::get_setup(body, setup));
       executed_ = newest_ = answers_ = 0;
       status_ = {.fifo_free = kFifoCapacity};
-      if (connecting || bytes_.below(8) != 7) proper_.push_back(welcome({.window = 8}));
+      if (connecting || bytes_.below(8) != 7) proper_.push_back(welcome({.window = 32}));
       return;
     }
     if (type == PacketType::bye) return;
@@ -73,7 +73,7 @@ class MadBoard final : public PacketChannel {
   [[nodiscard]] Packet next_packet() {
     switch (bytes_.below(16)) {
       case 0:
-        return welcome({.boot = bytes_.byte(), .window = bytes_.below<std::uint8_t>(10)});
+        return welcome({.boot = bytes_.byte(), .window = bytes_.below<std::uint8_t>(40)});
       case 1:
         return packet(PacketType::refusal, [&](wire::ByteWriter& body) {
           wire::put_refusal(body, {.reason = static_cast<wire::RefusalReason>(bytes_.byte()),
